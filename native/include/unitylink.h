@@ -119,8 +119,9 @@ UL_API const char* ul_last_error_text(void);
 /* The last failure of the calling thread in numbers. UL_ARGUMENT */
 UL_API ul_status ul_last_error(ul_error* error);
 
-/* Opens the port, resynchronises with the device and asks for its configuration. Blocks at most 2 * attempts * timeout,
- * one more for tcp. UL_BAD_URL UL_NOT_FOUND UL_PERMISSION UL_BUSY UL_TIMEOUT UL_CLOSED UL_MISMATCH UL_PROTOCOL_ERROR
+/* Opens the port, resynchronises with the device and asks for its configuration. A connection (tcp) takes at most
+ * attempts * timeout. The rest takes at most 4 * attempts * timeout, 0.2 s to leave a device, and the time of its bytes
+ * on a slow line. UL_BAD_URL UL_NOT_FOUND UL_PERMISSION UL_BUSY UL_TIMEOUT UL_CLOSED UL_MISMATCH UL_PROTOCOL_ERROR
  * UL_ARGUMENT UL_NO_MEMORY */
 UL_API ul_status ul_open(const char* url, ul_link** link);
 /* Ends the link. A call that waits in another thread returns UL_CLOSED. The handle stays valid. Closing twice does

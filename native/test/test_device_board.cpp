@@ -121,7 +121,7 @@ TEST_CASE("a board takes the place of one that was killed, whose link is left be
 }
 
 TEST_CASE("words that count and words that echo") {
-  Board board(DeviceConfiguration{}, make_endpoint("fd", ""));  // not started: stepped by hand
+  Board board(DeviceConfiguration{}, make_endpoint("fd", ""));  // not started, because the test steps it
   const WordPlant plant({{0x10, -3, 6, 10.0}}, {{0x20, 0x21}});
   board.set(0x20, 77);
   std::vector<std::int32_t> seen;

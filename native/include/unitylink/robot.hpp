@@ -428,7 +428,7 @@ class Robot {
   std::vector<std::uint64_t> written_;
   Outputs outputs_;
   Device device_;
-  std::uint64_t generation_ = 0;  // of the device that was last made fit for commands
+  std::uint64_t generation_ = 0;  // generation() of the device at the last make_fit()
   std::string gateware_ = "not verified: there is no link";
   std::mutex setting_, link_mutex_;
   mutable std::mutex state_mutex_;

@@ -15,13 +15,13 @@ extern "C" {
 
 /* A byte moves at the end of a clock in which its valid and its ready are both high. */
 typedef struct unitylink_rtl_pins {
-  /* from the next clock on */
+  /* inputs of the model, from the next clock on */
   uint8_t reset;
   uint8_t rx_valid;
   uint8_t rx_data;
   uint8_t rx_error; /* 1 parity, 2 framing, 4 overrun */
   uint8_t tx_ready;
-  /* as they are in the clock that has begun */
+  /* outputs of the model in the present clock */
   uint8_t rx_ready;
   uint8_t tx_valid;
   uint8_t tx_data;

@@ -45,7 +45,7 @@ class BusMaster2012 final : public Bus {
 
   Bus& bus_;
   std::uint32_t data_bits_;
-  Cycle left_ = Cycle::none;  // what continues after its timeout
+  Cycle left_ = Cycle::none;  // the bus cycle that is still open after a timeout
 };
 
 }  // namespace unitylink::device

@@ -60,8 +60,8 @@ struct DeviceConfiguration : Settings {
   // 0: the nonces count, as in the gateware; otherwise nobody can guess the next one (session_offer.hpp)
   std::uint64_t offer_secret = 0;
   std::vector<SafeValue> safe_words;
-  std::vector<std::uint32_t> flag_words;  // in rising order: a write of the PC clears these bits (W1C)
-  // in rising order: a write of the PC is a PULSE, and does not change what the PC reads there
+  std::vector<std::uint32_t> flag_words;  // addresses in rising order: a write of the PC clears these bits (W1C)
+  // addresses in rising order: a write of the PC is a PULSE, and does not change what the PC reads there
   std::vector<std::uint32_t> strobe_words;
   std::vector<AddressRange> bus_error_ranges;  // answered with a bus error
   std::vector<AddressRange> silent_ranges;     // not answered at all

@@ -39,7 +39,7 @@ class Device final : public ServedDevice {
   [[nodiscard]] bool input_empty() const noexcept override { return input_.empty(); }
   void receive_error(std::uint8_t bits) override;  // only a full datalink uses them
   void set_event(std::uint32_t group, bool high) override;
-  void set_events(std::uint32_t mask);  // of groups 0..31 at once
+  void set_events(std::uint32_t mask);  // the event inputs of groups 0..31 at once
 
   void run_until(Clock clock) override;
   [[nodiscard]] Clock next_event() const noexcept override;
@@ -69,7 +69,7 @@ class Device final : public ServedDevice {
 
   DeviceConfiguration configuration_;
   AddressMap bus_;
-  DeadMan dead_man_;  // in front of it
+  DeadMan dead_man_;  // in front of the bus
   BusMaster2012 master_2012_;
   PhysicalReceiver input_;
   PhysicalTransmitter output_;

@@ -187,7 +187,7 @@ bool RtlDevice::take(TimedByte& byte) noexcept {
 
 BusReply RtlDevice::get(std::uint32_t address) {
   if (const auto place = read_index_.find(address); place != read_index_.end()) {
-    // of a word with both sides: the value that the PC reads, as on the twin
+    // if both the PC and the FPGA write this word, it is the value that the PC reads, as on the twin
     return {BusStatus::ok, given_[place->second]};
   }
   if (const auto place = write_index_.find(address); place != write_index_.end()) {

@@ -84,7 +84,7 @@ class RtlDevice final : public ServedDevice {
   PhysicalTransmitter output_;
   unitylink_rtl_pins pins_{};
   std::vector<std::uint32_t> rising_;   // groups whose event line the model has not yet seen high
-  std::vector<std::uint32_t> falling_;  // those of them that fall after the next clock
+  std::vector<std::uint32_t> falling_;  // those of the rising groups whose line falls after the next clock
   std::uint8_t error_ = 0;
   Clock clock_ = 0;
   DeviceStatistics statistics_;

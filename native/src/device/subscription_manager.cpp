@@ -40,7 +40,7 @@ void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Cloc
   count_strobes(now);
   Group& chosen = groups_[group];
   chosen.rate = rate;
-  if (rate == 0 && !published_2012_) {  // that gateware publishes an earlier request once more
+  if (rate == 0 && !published_2012_) {  // 2012 gateware still publishes a request that was made before
     chosen.due = false;
   }
   if (chosen.strobes >= rate) {

@@ -15,7 +15,7 @@ using device::Device;
 
 constexpr std::uint64_t second = 1'000'000'000;
 constexpr std::uint64_t patience_ns = 10 * second;
-constexpr std::uint64_t clock_ns = 20;  // of the device: 50 MHz
+constexpr std::uint64_t clock_ns = 20;  // one clock of the device at 50 MHz
 
 class Line {
  public:
@@ -82,7 +82,7 @@ class Line {
       if (bytes.empty()) {
         break;
       }
-      const std::size_t count = std::min<std::size_t>(bytes.size(), 64);  // as much as a driver takes at once
+      const std::size_t count = std::min<std::size_t>(bytes.size(), 64);  // a driver takes so much at once
       there_.send(bytes.first(count), now_);
       engine_->sent(count);
     }

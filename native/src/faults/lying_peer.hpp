@@ -39,7 +39,7 @@ class LyingPeer {
   std::mt19937_64& random_;
   const bool framed_;
   Peer peer_ = Peer::honest;
-  FrameKey key_;                        // of the open session: a lie needs the right check
+  FrameKey key_;                        // key of the open session, because a false answer needs a right check
   Bytes open_;                          // a message whose end has not arrived
   bool passed_on_ = false;              // its first bytes were passed on already
   std::uint8_t heard_ = 0;              // the last byte from the host

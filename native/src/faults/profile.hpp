@@ -11,18 +11,20 @@ namespace unitylink::faults {
 
 // Each number is a chance, per byte or per message.
 struct WireFaults {
-  double flip = 0;   // of a byte: one to three of its bits are wrong
-  double burst = 0;  // of a byte: a burst of 4 to 64 wrong bits begins in it
+  // for each byte:
+  double flip = 0;   // one to three of its bits are wrong
+  double burst = 0;  // a burst of 4 to 64 wrong bits begins in it
   double lose_byte = 0;
   double double_byte = 0;
   double swap_bytes = 0;  // with the next byte
   double insert_byte = 0;
-  double lose = 0;            // of a message: all of it is lost
+  // for each message:
+  double lose = 0;            // all of it is lost
   double repeat = 0;          // it comes twice
   double cut = 0;             // only its first part comes
   double late = 0;            // it and all later ones come late
   std::uint64_t late_ns = 0;  // latest
-  double overtake = 0;        // of a message: it comes late, and later ones do not wait (datagrams)
+  double overtake = 0;        // it comes late, and later ones do not wait for it (datagrams)
 
   // Bytes change, so a checksum must detect it.
   [[nodiscard]] bool damages() const noexcept {
@@ -47,8 +49,8 @@ struct Profile {
   std::string_view meaning;
   WireFaults wire;  // in both directions
   Peer peer = Peer::honest;
-  double reset = 0;  // of a message: the FPGA is reset
-  double pause = 0;  // of a message: the host does nothing for up to pause_ns
+  double reset = 0;  // for each message: the FPGA is reset
+  double pause = 0;  // for each message: the host does nothing for up to pause_ns
   std::uint64_t pause_ns = 0;
   bool drawn = false;  // the rates are random for each seed
 };

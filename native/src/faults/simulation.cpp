@@ -383,7 +383,7 @@ class Simulation {
   Device* twin_ = nullptr;            // the device is either this
   device::RtlDevice* rtl_ = nullptr;  // or this
   std::uint64_t device_begun_ = 0;
-  std::uint64_t clock_ns_ = 20;  // of the device
+  std::uint64_t clock_ns_ = 20;  // one clock of the device
   Tally tally_;
   std::vector<std::unique_ptr<Client>> clients_;
   Report report_;

@@ -142,7 +142,8 @@ class FtdiDriver final : public PumpedDriver {
       const int code = usb.handle_events_timeout(port_->context(), &patience);
       if (code < 0 && code != usb::error_interrupted) {
         failed_at("USB events cannot be handled: ", code);
-        std::this_thread::sleep_for(std::chrono::microseconds(events_timeout_us));  // it may go on to fail at once
+        // because the next call may also fail at once
+        std::this_thread::sleep_for(std::chrono::microseconds(events_timeout_us));
       }
     }
   }

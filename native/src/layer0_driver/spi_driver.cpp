@@ -28,7 +28,7 @@ constexpr std::uint64_t speed_hz_default = 10'000'000;
 constexpr std::uint64_t poll_ns_alone = 1'000'000;
 constexpr std::uint64_t poll_ns_beside_line = 100'000'000;
 constexpr std::size_t message_bytes = 1024;  // from the link, in one transfer
-constexpr std::size_t look_bytes = 32;       // of filler after them; the answer to one read fits into these
+constexpr std::size_t look_bytes = 32;       // filler sent after them; the answer to one read fits into it
 // doubles up to this while the slave still sends; spidev takes 4096 bytes in one transfer
 constexpr std::size_t filler_bytes_most = 1024;
 // after a byte in either direction, the slave is polled without a pause for so long

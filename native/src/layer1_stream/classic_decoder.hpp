@@ -92,7 +92,7 @@ class ClassicDecoder {
       if (used_ + size <= line_bytes_max) {
         std::memcpy(line_.data() + used_, piece.data(), size);
       }
-      used_ += size;  // beyond the buffer the line is only counted
+      used_ += size;  // if the buffer is full, the bytes are only counted
       if (end != nullptr) {
         if (used_ <= line_bytes_max) {
           read_line(std::span<const std::uint8_t>(line_.data(), used_), sink);

@@ -67,7 +67,7 @@ class FrameDecoder {
     } else if (used_ == 0 && size > 0) {
       bytes_[0] = chunk[0];
     }
-    used_ += size;  // beyond the limit they are only counted
+    used_ += size;  // above the limit, bytes are only counted
     if (end == nullptr) {
       return size;
     }

@@ -64,7 +64,7 @@ class ClassicEngine final : public Engine {
 
  private:
   enum class State : std::uint8_t { ready, fence_due, fencing };
-  struct Sink;  // what the decoder calls
+  struct Sink;  // called by the decoder
 
   void on_message(const Message& message) noexcept;
   void on_publish(const Publish& publish) noexcept;
@@ -123,9 +123,9 @@ class ClassicEngine final : public Engine {
   bool plain_fence_;
 
   enum class StrayCycle : std::uint8_t { none, read, write };
-  StrayCycle stray_cycle_ = StrayCycle::none;      // what the device's bus may still be doing
-  std::optional<std::uint32_t> harmless_address_;  // a word that answered a repeatable read
-  Exchange freeing_;                               // the request that reads it
+  StrayCycle stray_cycle_ = StrayCycle::none;      // the bus cycle that may still be open at the device
+  std::optional<std::uint32_t> harmless_address_;  // the address of a word that answered a repeatable read
+  Exchange freeing_;                               // the request that reads this word
   bool corrected_ = false;
 
   std::uint64_t position_ = 0;  // bytes given to the driver so far

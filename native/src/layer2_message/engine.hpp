@@ -29,7 +29,7 @@ struct EngineSettings {
   std::uint64_t byte_time_ns = 0;  // on the wire; long messages get more time
   // every frame has the CRC-32C, if the device knows it; for links that lose the order of bytes
   bool checked_long = false;
-  std::uint64_t seed = 0;  // of the random epochs of framed sessions
+  std::uint64_t seed = 0;  // for the random epochs of framed sessions
 };
 
 class Engine {

@@ -91,13 +91,14 @@ class FramedEngine final : public Engine {
  private:
   // silent: nothing was asked yet. checking: HELLO was sent to see whether the session is still there.
   enum class State : std::uint8_t { silent, greeting, opening, open, checking };
-  struct Sink;                                        // what the decoder calls
-  static constexpr std::size_t greeting_bytes = 128;  // HELLO or OPEN and its answer, and what was on the line before
+  struct Sink;  // called by the decoder
+  // more than HELLO or OPEN and its answer, and what was on the line before
+  static constexpr std::size_t greeting_bytes = 128;
 
   struct Place {
     [[nodiscard]] bool taken_over() const noexcept { return exchange == nullptr || refusal.has_value(); }
 
-    Exchange* exchange = nullptr;  // nullptr while used: given up, and a SYNC takes the id over
+    Exchange* exchange = nullptr;  // nullptr in a used place: the request was given up, and a SYNC takes its id over
     bool used = false;
     bool due = false;  // must be sent (again)
     bool barrier = false;
@@ -105,7 +106,7 @@ class FramedEngine final : public Engine {
     // a SYNC that takes its id over also waits for its turn, so that no later chained request goes first
     bool chained = false;
     bool doubted = false;  // an answer with an error has come; it counts when it comes again
-    // the status for its caller if the SYNC that takes its id over shows that it was not executed
+    // the status for its caller, if a SYNC takes its id over, and shows that it was not executed
     std::optional<Status> refusal;
     std::uint16_t id = 0;
     std::uint16_t post = 0;   // number of posts executed before it, if `barrier`
@@ -115,7 +116,7 @@ class FramedEngine final : public Engine {
     std::uint64_t last_order = 0;
     std::uint64_t first_sent_ns = 0;
     std::uint64_t sent_ns = 0;
-    std::uint64_t wait_ns = 0;   // from sent_ns until it must be sent again
+    std::uint64_t wait_ns = 0;   // it must be sent again so long after sent_ns
     std::uint64_t limit_ns = 0;  // when it is given up
   };
 
@@ -124,7 +125,7 @@ class FramedEngine final : public Engine {
     std::span<const std::uint32_t> addresses;  // owned by the subscription, which exists longer than its claim
     std::uint32_t divisor = 0;
     bool on_event = false;
-    std::uint16_t sequence = 0;  // of the next publish
+    std::uint16_t sequence = 0;  // sequence of the next publish
   };
 
   struct ExchangeGroup {
@@ -201,8 +202,8 @@ class FramedEngine final : public Engine {
   FrameDecoder decoder_;
   State state_ = State::silent;
   bool text_ = false;                // within a line of classic text
-  std::size_t text_bytes_ = 0;       // of it so far
-  std::array<char, 4> text_head_{};  // its first bytes
+  std::size_t text_bytes_ = 0;       // length of this line so far
+  std::array<char, 4> text_head_{};  // the first bytes of this line
   std::uint32_t passed_over_ = 0;    // HELLOs without an answer, although the classic question after them was answered
   std::optional<Greeting> greeting_;
   std::uint16_t offered_epoch_;  // requested by OPEN
@@ -210,7 +211,7 @@ class FramedEngine final : public Engine {
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
   std::uint64_t greeting_sent_ns_ = 0;
-  std::uint64_t greeting_from_ns_ = 0;  // not sent before this time
+  std::uint64_t greeting_from_ns_ = 0;  // HELLO or OPEN is not sent before this time
   std::uint32_t in_vain_ = 0;           // HELLOs and OPENs that the device has caused since it last answered a request
   std::uint32_t openings_ = 0;          // OPENs since the last HELLO answer
   std::uint64_t sessions_ = 0;
@@ -221,9 +222,9 @@ class FramedEngine final : public Engine {
   std::uint16_t next_id_ = 0;
   std::uint16_t base_id_ = 0;    // the id of the oldest request without an answer, or next_id_
   std::uint32_t due_ = 0;        // number of places that must be sent
-  std::uint32_t given_up_ = 0;   // places whose SYNC has no answer yet, and whose caller does not wait for it
+  std::uint32_t given_up_ = 0;   // places whose SYNC has no answer yet, and whose caller does not wait any more
   std::uint32_t credit_ = 0;     // bytes of requests in flight
-  std::uint32_t in_flight_ = 0;  // requests: places in use
+  std::uint32_t in_flight_ = 0;  // number of places in use
   std::uint64_t order_ = 0;      // all transmissions so far
   std::array<Place, window_max> places_;
 
@@ -235,7 +236,7 @@ class FramedEngine final : public Engine {
   std::uint64_t unknown_posts_ = 0;
   std::uint64_t careful_until_ns_ = 0;  // until then only few posts are in flight, because one was lost
   std::uint64_t post_bytes_ = 0;        // bytes of the last post's frame
-  std::uint64_t gone_back_order_ = 0;   // transmissions when the posts were last started again
+  std::uint64_t gone_back_order_ = 0;   // value of order_ when the posts were last sent again
   // the engine's own questions about the posts; an answer to a later one shows that an earlier one was lost
   std::array<Exchange, 4> confirmations_;
   std::uint64_t confirming_ = 0;  // posts sent before the last of these
@@ -245,7 +246,7 @@ class FramedEngine final : public Engine {
   std::array<ExchangeGroup, protocol::limits::exchanges_max> exchange_groups_;
   Exchange restoration_;             // the engine's own request that sets up a new session
   std::uint32_t restored_ = 0;       // number of its steps that are done
-  std::uint32_t restored_most_ = 0;  // since a session was last set up completely
+  std::uint32_t restored_most_ = 0;  // the most steps since a session was last set up completely
   bool publishing_ = false;
   std::uint32_t deadman_ticks_ = 0;
 

@@ -24,19 +24,19 @@ namespace unitylink {
 
 // The length of all operations of a list, without its flags.
 [[nodiscard]] std::size_t bytes_of(std::span<const ListWord> steps, const Configuration& configuration) noexcept;
-// Words to write as the operations of a POST_LIST.
+// Encodes words to write as the operations of a POST_LIST.
 void put_post(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
               const Configuration& configuration) noexcept;
 // The length of the words of an exchange group.
 [[nodiscard]] std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept;
 // The kind of an exchange's frame, without the chained and barrier bits.
 [[nodiscard]] std::uint8_t framed_kind(const Exchange& exchange) noexcept;
-// What follows id and barrier.
+// Encodes what follows id and barrier.
 void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configuration& configuration) noexcept;
-// The length of its reply after `posts`, if all went well.
+// The length of a successful reply, after `posts`.
 [[nodiscard]] std::size_t reply_bytes(const Exchange& exchange, const Configuration& configuration) noexcept;
 inline constexpr std::size_t sync_reply_bytes = 7;
-// Takes what follows `posts` in a reply with this status. False if the length is not exactly right.
+// Decodes the part of a reply after `posts`. False: its length is not exactly right for this status.
 [[nodiscard]] bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
                               const Configuration& configuration) noexcept;
 // True: the device has executed the request, or tried to, so its id is used.

@@ -11,20 +11,20 @@
 namespace unitylink {
 
 struct Greeting {
-  std::uint32_t version = 0;  // of the protocol; 0: none that both sides speak
+  std::uint32_t version = 0;  // version of the protocol; 0: there is none that both sides speak
   std::uint32_t nonce = 0;
-  std::uint32_t epoch = 0;  // of the session that is open there
+  std::uint32_t epoch = 0;  // epoch of the session that is open at the device
   std::uint32_t address_bytes = 0;
   std::uint32_t data_bytes = 0;
   std::uint32_t credit = 0;       // bytes of requests that may be unanswered
-  std::uint32_t request_max = 0;  // bytes of the longest payloads
-  std::uint32_t reply_max = 0;
-  std::uint32_t window = 0;  // requests that may be unanswered
-  std::uint32_t cache = 0;   // bytes of a reply that are kept for a repeat
+  std::uint32_t request_max = 0;  // bytes of the longest request payload
+  std::uint32_t reply_max = 0;    // bytes of the longest reply payload
+  std::uint32_t window = 0;       // requests that may be unanswered
+  std::uint32_t cache = 0;        // bytes of a reply that are kept for a repeat
   std::uint32_t features = 0;
   std::uint64_t spec_hash = 0;
 
-  // Whether it is the same device as `other`, as far as a session depends on it.
+  // Whether a session with `other` could continue with this device.
   [[nodiscard]] bool same_device(const Greeting& other) const noexcept {
     return address_bytes == other.address_bytes && data_bytes == other.data_bytes && spec_hash == other.spec_hash;
   }

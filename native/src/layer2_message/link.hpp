@@ -47,7 +47,7 @@ struct Call {
 
 // What a framed device reports about itself in its control registers and its answer to HELLO.
 struct Description {
-  std::uint32_t version = 0;  // of the protocol: major in the upper half, minor in the lower
+  std::uint32_t version = 0;  // version of the protocol: major in the upper half, minor in the lower
   std::uint32_t gateware_version = 0;
   std::uint32_t build = 0;
   std::uint32_t clock_hz = 0;
@@ -191,8 +191,8 @@ class Link {
   }
   [[nodiscard]] Outcome unsubscribe(std::uint32_t id);
   [[nodiscard]] bool subscribed(std::uint32_t id);
-  [[nodiscard]] std::size_t words(std::uint32_t id);      // in each publish
-  [[nodiscard]] std::size_t available(std::uint32_t id);  // publishes to drain
+  [[nodiscard]] std::size_t words(std::uint32_t id);      // number of words in each publish
+  [[nodiscard]] std::size_t available(std::uint32_t id);  // number of publishes to drain
   [[nodiscard]] std::uint64_t lost(std::uint32_t id);     // overwritten before they were drained
   [[nodiscard]] std::uint64_t missing(std::uint32_t id);  // lost on the line; classic: always 0, it cannot know
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
@@ -361,7 +361,7 @@ class Link {
   std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // the engine may still read them
   std::uint32_t exchanges_made_ = 0;
   std::uint32_t dead_man_ticks_ = 0;  // the last setting
-  std::uint32_t failed_posts_ = 0;    // in this session, as of the last sync()
+  std::uint32_t failed_posts_ = 0;    // number in this session, at the last sync()
   std::uint64_t failed_session_ = 0;
   std::string reason_;  // why the link has ended
   bool lasts_ = false;  // reconnect=1: a lost line is opened again

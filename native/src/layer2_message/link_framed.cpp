@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operation;
 
-constexpr std::size_t words_max = 255;  // in one operation
+constexpr std::size_t words_max = 255;  // most words in one operation
 constexpr std::size_t posts_per_flush = 256;
 constexpr double ticks_max = 4294967295.0;  // periods of the base frequency
 

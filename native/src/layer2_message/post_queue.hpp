@@ -89,7 +89,7 @@ class PostQueue {
   std::uint64_t reached_ = 0;  // the largest value of `sent`
   std::uint64_t confirmed_ = 0;
   std::uint64_t told_ = 0;   // executed, from the last answer
-  std::uint64_t words_ = 0;  // of all posts made
+  std::uint64_t words_ = 0;  // number of words of all posts made
   std::array<Post, capacity> ring_;
   std::array<std::uint64_t, capacity> begins_;
 };

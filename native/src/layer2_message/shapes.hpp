@@ -34,7 +34,7 @@ struct Letters {
     case Operation::disable_publishing: return {command::disable_publishing, reply::disable_publishing};
     case Operation::write_event_mask: return {command::write_event_mask, reply::write_event_mask};
     case Operation::read_event_mask: return {command::read_event_mask, reply::read_event_mask};
-    default: break;  // of the framed protocol
+    default: break;  // an operation of the framed protocol
   }
   return {};
 }
@@ -58,7 +58,7 @@ struct Letters {
   }
 }
 
-// The largest number, if the device decides it (read_group).
+// The number of data bytes in the reply; the largest, if the device decides it (read_group).
 [[nodiscard]] constexpr std::size_t reply_data_bytes(const Exchange& exchange,
                                                      const Configuration& configuration) noexcept {
   switch (exchange.operation) {

@@ -59,7 +59,7 @@ struct ExchangeWord {
 };
 
 struct FrameRequest {
-  std::uint8_t operation = 0;  // the kind without its bits
+  std::uint8_t operation = 0;  // the kind without the chained and barrier bits
   std::uint16_t id = 0;        // the id, or the number of a post
   bool chained = false;
   std::optional<std::uint16_t> barrier;
@@ -68,7 +68,7 @@ struct FrameRequest {
   std::uint8_t flags = 0;
   std::vector<ListWord> words;
   std::vector<std::uint32_t> addresses;  // of define_group
-  std::vector<ExchangeWord> members;     // of define_exchange: outputs, then inputs
+  std::vector<ExchangeWord> members;     // words of define_exchange: first outputs, then inputs
   std::size_t outputs = 0;
   std::span<const std::uint8_t> data;  // the outputs of an exchange
 
