@@ -82,9 +82,9 @@ typedef struct {
   uint32_t size;
   uint32_t divisor;  /* publish every so many base periods; 0: not by time */
   uint32_t on_event; /* 1: publish when the group's event input says so */
-  uint32_t verify;   /* 1: read every address once before; gateware of 2012 (the first published) publishes a silent one
-                        for ever */
-  uint32_t ring;     /* publishes kept until they are drained; then the oldest are overwritten */
+  uint32_t verify; /* 1: read each address once first, because gateware of 2012 (the first published) repeats a publish
+                      for ever if an address never answers */
+  uint32_t ring;   /* publishes kept until they are drained; then the oldest are overwritten */
 } ul_subscription_options;
 
 typedef struct {
@@ -157,9 +157,9 @@ UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const u
 /* Which protocol the device speaks: "framed" or "classic"; "memory" behind mmap:, where there is none. Never NULL.
  * docs/protocol.md */
 UL_API const char* ul_protocol(ul_link* link);
-/* A warning about the start of the link: it was taken for a classic one, without the promises of frames, because the
- * device answers only classic requests. "": no warning, for example if the URL says protocol=classic. Never NULL. Valid
- * as long as the link. ul_statistics.restarts tells whether the device was reset since. */
+/* A warning if the link speaks the classic protocol although the URL does not ask for it. Then it has none of the
+ * promises of the framed protocol. "": no warning. Never NULL. Valid as long as the link. ul_statistics.restarts shows
+ * whether the device was reset since the link was opened. */
 UL_API const char* ul_notice(ul_link* link);
 /* Checks that the gateware was built from the spec whose wire hash is one of `hashes`. `spec` is its name in the error.
  * UL_MISMATCH: the gateware reports another hash, and the URL has no spec_hash=any. `unverified`, if not NULL, gets the

@@ -3,11 +3,11 @@
 // hosts.
 //
 // - A request without an acknowledge in time ends in E_BAT, but its cycle goes on at address 0. A read reads there, and
-//   a write writes 0 there. If no slave answers at 0 either, the cycle waits for the next access and takes its address,
-//   but keeps its own direction. So a write that timed out writes 0 where the next request reads, and a read that timed
-//   out reads where it writes.
-// - The word of a write is taken from the wrong end of 32 bits: 32 bits are right, 24 bits keep their top 16, and 16 or
-//   fewer are 0.
+//   a write writes 0 there. If no slave answers at 0 either, the cycle waits for the next access. It takes the address
+//   of this access, but keeps its own direction. So a write that timed out writes 0 where the next request reads. A
+//   read that timed out reads where the next request writes.
+// - The word of a write is taken from the wrong end of 32 bits. A word of 32 bits is right. A word of 24 bits keeps its
+//   top 16, and one of 16 or fewer bits is 0.
 #pragma once
 
 #include "device/bus.hpp"

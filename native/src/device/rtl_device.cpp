@@ -24,7 +24,7 @@ const unitylink_rtl* load(const std::string& library, const RtlWords& words, std
     throw RtlError(library + ": not compiled gateware for this version of Unity-Link");
   }
   const unitylink_rtl* model = entry();
-  const bool has_events = model->groups > 0;  // a user's design may have no such words
+  const bool has_events = model->groups > 0;  // a user's design may have no event inputs
   if (model->read_words != words.read.size() || model->write_words != words.write.size() ||
       (has_events && model->groups != groups)) {
     throw RtlError(library + ": compiled from another design (" + std::to_string(model->read_words) +

@@ -26,7 +26,7 @@ enum class MessageKind : std::uint8_t {
   datalink_error,     // code
   busy,               // "?busy": the board serves another program
   bad_checksum,       // head says whether it was a reply or a publish
-  malformed,          // head as above
+  malformed,          // head: as in bad_checksum
 };
 
 struct Message {

@@ -73,7 +73,7 @@ struct SubscriptionRequest {
   std::span<const std::uint32_t> addresses;
   std::uint32_t divisor = 0;  // publish every `divisor` base periods; 0: not by time
   bool on_event = false;      // publish at an event of the group's event input
-  bool verify = true;  // read every address once first: 2012 gateware publishes an address without an answer for ever
+  bool verify = true;  // read each address once first: 2012 gateware repeats a publish for ever if one never answers
   std::size_t ring = 4096;  // publishes kept until they are drained
   // the group of the gateware, if a certain event line is needed; else any
   std::optional<std::uint32_t> group = std::nullopt;
