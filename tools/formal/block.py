@@ -41,7 +41,7 @@ class Block:
     reach: int = 0
     induction: int | None = None
     pdr: bool = False
-    for_ever: tuple[str, ...] = ()  # where they are too many for `pdr`: properties it is asked of one by one
+    for_ever: tuple[str, ...] = ()  # too many for `pdr` at once: proven one by one
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
     without: tuple[tuple[str, str], ...] = ()
     seen: Mapping[str, str] = field(default_factory=dict)  # port: signal

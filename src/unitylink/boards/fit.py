@@ -22,7 +22,7 @@ class Remedy:
     what: str
     cells: int
     memories: int
-    helps: Callable[[BoardConfiguration], bool]  # where it is not so already
+    helps: Callable[[BoardConfiguration], bool]  # whether this can still be changed
 
 
 def _above(name: str, value: int) -> Callable[[BoardConfiguration], bool]:

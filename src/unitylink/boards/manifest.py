@@ -24,8 +24,8 @@ else:
 
 MANIFEST = "board.toml"
 FAMILIES = ("ice40", "ecp5")
-PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # those that `build` can put on pins
-CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # which an FTDI chip gives in synchronous mode
+PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # physical layers that `build` can put on pins
+CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # clock of an FTDI chip in synchronous mode
 # The roles of a pin: a port whose name has one of these words gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io", "tripped")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
@@ -38,7 +38,7 @@ class Pin:
     name: str
     site: str
     active_low: bool = False
-    pull: str = "up"  # of an input: "up", "down" or "none"
+    pull: str = "up"  # pull of an input: "up", "down" or "none"
     io: str = ""  # the input-output standard, where the family has them
 
 
@@ -56,16 +56,16 @@ class Board:
     device: str
     package: str
     clock_pin: str
-    clock_hz: int  # of the oscillator
+    clock_hz: int  # frequency of the oscillator
     design_hz: int  # the default clock of the design
     pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
     protocol: str  # the default protocol: "classic", "framed" or "both"
     physical: str  # the physical layer of the link
-    rx: str  # of a UART, as are the next three; else ""
+    rx: str  # this and the next three are of a UART; "" without one
     tx: str
-    baud_hz: int  # where the spec tells none
+    baud_hz: int  # the default baud rate
     baud_hz_most: int
-    link_pins: Mapping[str, tuple[str, ...]]  # of another physical layer: its ports and their pins
+    link_pins: Mapping[str, tuple[str, ...]]  # another physical layer than a UART: port -> pins
     released: tuple[str, ...]  # pins that are never driven, and pulled as the manifest says: a chip's reset
     send_immediate: str  # of an FT245, as in physical_pkg.vhd
     flash: Mapping[str, tuple[str, ...]]  # program -> its options, the preferred one first

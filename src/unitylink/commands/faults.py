@@ -81,7 +81,7 @@ def _profiles(_: click.Context, __: click.Parameter, value: str) -> tuple[str, .
 
 
 def _beside_litex(as_json: bool) -> int:
-    """Run both. Fail if ours did badly."""
+    """Run both. Fail if our link did worse than allowed."""
     need_checkout("--beside")
     from unitylink_lab.bench.figure import Run
     from unitylink_lab.bench.programs import find_checkout

@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from .sampler import Sample as Sampled
 
 _GATHER_S = 0.02  # samples within this time are written together, which halves the cost
-_HOLD_S = 1.0  # for which samples are held back, so that they stand in the file in the order of their times
+_HOLD_S = 1.0  # samples are held back for so long, so that the file has them in the order of their times
 _NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
 _SHOW_S = 0.5  # between two progress lines
-_FLUSH_S = 0.5  # between two writes; a program that is killed loses no more
+_FLUSH_S = 0.5  # s between two writes; a program that is killed loses at most so much
 
 
 @click.command()

@@ -34,7 +34,7 @@ _BECAME = {
     "restarted": "the device has restarted: the values written to it are lost",
     "back": "the line is back, and the samples go on",
 }
-TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up
+TICK_S = 0.1  # s; how often it checks whether the link still works and the time is not over
 _WAITING = 100_000  # samples that may wait; more are lost, and counted
 
 

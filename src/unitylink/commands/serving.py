@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 _LOOPBACK = "127.0.0.1"
-_TICK_S = 0.2  # between two looks at whether the board still runs
-_LAG_S = 0.05  # less is not worth a word
+_TICK_S = 0.2  # s; how often it checks whether the board still runs
+_LAG_S = 0.05  # a shorter slip is not reported
 _OPTIONS = (
     click.option(
         "--tcp", metavar="[HOST:]PORT", help="Serve on TCP. Port 0 takes a free one (the default is --tcp 0)."

@@ -21,7 +21,7 @@ from .value_text import plain, shown
 if TYPE_CHECKING:
     from .sampler import Sample, Sampler
 
-_HOLD_S = 0.2  # for which lines are held back, so that they come in the order of their times
+_HOLD_S = 0.2  # s; lines are held back for so long, so that they come in the order of their times
 
 
 @click.command()

@@ -52,7 +52,7 @@ class Answer:
 
 
 def request(*, checked: bool = True, polynomial: int | None = protocol.CRC8_POLYNOMIAL) -> bytes:
-    """Return RLC behind a fence.
+    """Return the request RLC, with a fence before it.
 
     >>> request()
     b'!$RLC*9B\\n'

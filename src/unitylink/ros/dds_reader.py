@@ -31,7 +31,7 @@ class DdsReader:
         self._takers.append((reader, topic, take, refuse))
 
     def start(self) -> None:
-        if self._takers:  # DDS refuses to wait for nothing
+        if self._takers:  # DDS cannot wait if there are no readers
             self._thread.start()
 
     def close(self) -> None:

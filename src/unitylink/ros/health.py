@@ -86,7 +86,7 @@ def _device_facts(link: Link) -> dict[str, str]:
         facts["device clock uncertainty us"] = f"{clock.uncertainty_ns / 1000:.0f}"
     try:
         counted = link.health()
-    except LinkError as error:  # the keeper finds the cause
+    except LinkError as error:  # the keeper will report the cause
         return facts | {"device": str(error)}
     if counted is not None:
         facts |= {

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SessionNeeds:
-    """What the node of a session gives it: what the robot is, where messages go, and whom to tell."""
+    """What a session gets from its node: the robot, where messages go, and who is told of changes."""
 
     interface: Interface
     plane: Plane

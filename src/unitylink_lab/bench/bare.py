@@ -42,8 +42,8 @@ def against_bare(run: Run, url: str, protocol: str, side: Side) -> Comparison:
 def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide) -> Comparison:
     """Measure `side` on a framed link, against a bare program that sends and awaits the same bytes.
 
-    A trace of a link tells what it says, from its first byte to the request that is measured. The bare
-    program says the same to a twin of its own, in a session of its own: the ids count on, the rest stays.
+    A trace gives the bytes that the link sends, from the first one to the request that is measured. The bare
+    program sends the same to another twin, in another session. Only the ids count on.
     """
     from unitylink import connect
 

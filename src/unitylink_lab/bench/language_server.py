@@ -18,7 +18,7 @@ def measure(run: Run) -> Figure:
     uri = "file:///flat.ul"
     right = flat_spec(LINES - 3)
     middle = right.index(";", len(right) // 2)
-    texts = [right[:middle] + right[middle + 1 :], right]  # a `;` goes and comes back
+    texts = [right[:middle] + right[middle + 1 :], right]  # a `;` is removed, and comes back
     with LanguageClient() as client:
         client.open(uri, right)
         version = iter(range(1, 1 << 30))

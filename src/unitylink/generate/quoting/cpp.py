@@ -19,7 +19,7 @@ class Cpp(Code):
     def text(cls: type[Self], text: str) -> Self:
         r"""Return a string literal of ASCII, whose bytes are the text's UTF-8.
 
-        Digits behind an escape are part of an octal one only up to three: every escape has three here. A
+        Each octal escape has three digits. So a digit after it does not belong to it. A
         question mark is escaped where two would begin a trigraph.
 
         >>> print(Cpp.text('a "b"\n'), Cpp.text("µ1"), Cpp.text("??/"))

@@ -80,7 +80,7 @@ class Tcl(Code):
 
     @classmethod
     def text(cls: type[T], text: str) -> T:
-        r"""Return one word: in braces, between which nothing acts, or each sign that could with a backslash.
+        r"""Return one word: in braces, where no sign has a meaning, or with a backslash before each.
 
         >>> print(Tcl.text("/home/me/[exit] $x/arm.vhd"), Tcl.text("/a{b c"))
         {/home/me/[exit] $x/arm.vhd} /a\{b\ c

@@ -9,7 +9,7 @@ from .cursor import Cursor, Panic
 from .lexer import unescape
 from .syntax import Argument, Expression, Name, Number, Operation, Text
 
-MAX_OPERATIONS = 200  # of one expression, not counting those of a sum: bounds how deep it nests
+MAX_OPERATIONS = 200  # most levels of one expression; the terms of a sum count as one
 MAX_EXPONENT = 60  # of a decimal number: 1e60
 
 # How tightly operators bind. A sum is read apart: it may be as long as the text.
