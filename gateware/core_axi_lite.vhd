@@ -13,11 +13,13 @@ library ieee;
 use work.axi_lite_pkg.all;
 use work.bii_pkg.all;
 use work.frame_layout_pkg.all;
+use work.engine_pkg.all;
 use work.settings_pkg.all;
 
 entity core_axi_lite is
   generic (
     settings    : settings_t    := core_settings;  -- docs/settings.md
+    engine      : engine_t      := engine_fast;    -- of the framed protocol: docs/gateware/framed_small.md
     safe_values : safe_values_t := no_safe_values  -- the values that the dead-man writes
   );
   port (
@@ -48,7 +50,7 @@ architecture rtl of core_axi_lite is
 begin
 
   core_bii : entity work.core_bii
-    generic map (settings => settings, safe_values => safe_values)
+    generic map (settings => settings, engine => engine, safe_values => safe_values)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

@@ -31,12 +31,14 @@ use work.bii_pkg.all;
 use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
+use work.engine_pkg.all;
 use work.settings_pkg.all;
 use work.subscription_pkg.all;
 
 entity core_bii is
   generic (
     settings    : settings_t    := core_settings;  -- docs/settings.md
+    engine      : engine_t      := engine_fast;    -- of the framed protocol: docs/gateware/framed_small.md
     safe_values : safe_values_t := no_safe_values  -- the values that the dead-man writes
   );
   port (
@@ -100,7 +102,7 @@ begin
         bii_request => classic_bii, bii_response => classic_bii_response);
   end generate;
 
-  framed_side : if has_framed generate
+  framed_side : if has_framed and engine = engine_fast generate
     framed : entity work.framed
       generic map (settings => settings)
       port map (
@@ -110,6 +112,23 @@ begin
         tx_last => frame_tx_last, tx_publish => frame_tx_publish,
         session_open => session_open, may_begin => framed_may_begin, wants => framed_wants, busy => framed_busy,
         subscription_request => framed_subscription, subscription_response => subscription_response,
+        dead_man_request => dead_man_request, dead_man_response => dead_man_response,
+        bii_request => framed_bii, bii_response => framed_bii_response);
+  end generate;
+
+  small_side : if has_framed and engine = engine_small generate
+    assert not has_classic
+      report "core_bii: the small engine has frames alone; set protocol to framed" severity failure;
+    session_open        <= '0';
+    frame_tx_publish    <= '0';
+    framed_subscription <= subscription_request_idle;
+
+    framed_small : entity work.framed_small
+      generic map (settings => settings)
+      port map (
+        clock => clock, reset => reset,
+        frame_valid => frame_valid, frame_ready => frame_ready, frame_data => rx_data, receive_overrun => rx_error(2),
+        tx_valid => frame_tx_valid, tx_ready => frame_tx_ready, tx_data => frame_tx_data, tx_last => frame_tx_last,
         dead_man_request => dead_man_request, dead_man_response => dead_man_response,
         bii_request => framed_bii, bii_response => framed_bii_response);
   end generate;

@@ -33,6 +33,7 @@ library ieee;
 
 use std.textio.all;
 use work.bench_pkg.all;
+use work.engine_pkg.all;
 use work.frame_layout_pkg.all;
 use work.register_pkg.all;
 use work.settings_pkg.all;
@@ -56,6 +57,7 @@ entity replay_tb is
     polynomial    : natural  := 7;
     edge_events   : natural  := 0;
     protocol      : string   := "classic";
+    engine        : string   := "fast";
     lists         : boolean  := true;
     deadman       : boolean  := true;
     exchanges     : natural  := 2;
@@ -147,9 +149,10 @@ begin
         publish_mode => publish_mode, configuration_command => configuration_command, datalink => datalink_of(datalink),
         checksum => checksum_of(checksum), polynomial => polynomial,
         edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol_of(protocol),
-        lists => lists, deadman => deadman, exchanges => exchanges, exchange_size => exchange_size, window => window,
+        lists => lists, deadman => deadman, exchanges => exchanges,
+        exchange_size => exchange_size, window => window,
         spec_hash => x"0123456789ABCDEF"),
-      safe_values => safe_values)
+      engine => engine_of(engine), safe_values => safe_values)
     port map (
       clock => clock, reset => reset,
       rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => core_rx_error,

@@ -84,6 +84,8 @@ def test_the_record_keeps_the_limits(flow: Any) -> None:
     assert limited
     for row in limited:
         assert RECORD[row.name]["ice40"]["cells"] <= row.cells_most
+        if row.memories_most is not None:
+            assert RECORD[row.name]["ice40"]["memories"] <= row.memories_most
 
 
 def test_every_row_is_recorded_and_the_page_is_the_record(flow: Any) -> None:

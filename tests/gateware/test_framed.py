@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
-from reference.framing import Borders, Frame, field
+from reference.framing import Frame, field
+from reference.host import EPOCH, ask, frames_of, opening, without_clock
 from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
 
@@ -21,7 +22,6 @@ from unitylink.interface.board_configuration import BoardConfiguration
 
 SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
 BAD = 0x38  # four words that answer with an error, and four that do not answer
-EPOCH = 0x1234
 TICK = 500  # clocks
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed.md"
 
@@ -53,30 +53,6 @@ def reference_of(settings: Settings) -> ReferenceDevice:
     bad = dict.fromkeys(range(BAD, BAD + 4), p.REPLY_STATUS_BUS_ERROR)
     bad |= dict.fromkeys(range(BAD + 4, BAD + 8), p.REPLY_STATUS_BUS_TIMEOUT)
     return ReferenceDevice(settings, Bus(bad))
-
-
-def without_clock(answer: bytes) -> list[bytes | Frame]:
-    """Frames, but for the time at which a session was opened."""
-    shown: list[bytes | Frame] = []
-    for piece in Borders().feed(answer):
-        frame = Frame.decode(piece, p.FRAME_OPEN_EPOCH)
-        opened = frame is not None and frame.kind == p.DEVICE_KIND_OPEN
-        shown.append(Frame(frame.kind, frame.payload[:2]) if frame is not None and opened else piece)
-    return shown
-
-
-def opening(nonce: int = 1, epoch: int = EPOCH) -> bytes:
-    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    return b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((nonce, 2), (epoch, 2), (0, 1))).encode()
-
-
-def ask(kind: int, *fields: tuple[int, int]) -> bytes:
-    return Frame(kind, field(*fields)).encode(EPOCH)
-
-
-def frames_of(answer: bytes, epoch: int = EPOCH) -> list[Frame]:
-    frames = [Frame.decode(piece, epoch) for piece in Borders().feed(answer)]
-    return [frame for frame in frames if frame is not None]
 
 
 REGISTERS = 6  # words from 0 on, of a slave that freezes them while the bus is held

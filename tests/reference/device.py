@@ -151,6 +151,7 @@ class ReferenceDevice:
 
     def _post(self, frame: Frame) -> bytes:
         try:
+            self._must_have(frame.kind)
             number, words = parse_post(frame.kind, frame.payload, self.settings.a, self.settings.d)
         except Invalid:
             return self._drop(p.CONTROL_DISCARDED_KIND)
@@ -177,11 +178,25 @@ class ReferenceDevice:
 
     # ---- requests
 
+    def _must_have(self, operation: int) -> None:
+        """Raise `Invalid` for a request of something that the device was built without."""
+        s = self.settings
+        needs = {
+            p.REQUEST_KIND_LIST: s.lists,
+            p.REQUEST_KIND_POST_LIST: s.lists,
+            p.REQUEST_KIND_EXCHANGE: s.exchanges,
+            p.REQUEST_KIND_DEFINE_EXCHANGE: s.exchanges,
+            p.REQUEST_KIND_DEFINE_GROUP: s.groups,
+        }
+        if not needs.get(operation, True):
+            raise Invalid("left out")
+
     def _request(self, frame: Frame) -> bytes:
         if len(frame.payload) < 2:
             return self._drop(p.CONTROL_DISCARDED_KIND)
         request_id = int.from_bytes(frame.payload[:2], "big")
         try:
+            self._must_have(frame.kind & ~(p.FRAME_CHAINED_BIT | p.FRAME_BARRIER_BIT))
             request = parse(frame.kind, frame.payload, self.settings.a, self.settings.d)
         except Invalid:
             self._count(p.CONTROL_FRAMES)
@@ -272,7 +287,9 @@ class ReferenceDevice:
         return (range(p.CONTROL_MAGIC, p.CONTROL_SPEC_HASH_LOW + 1), COUNTERS, STATE)
 
     def _control_refusal(self, address: int, value: int) -> int:
-        if address not in (p.CONTROL_DEADMAN_TICKS, p.CONTROL_ARM, p.CONTROL_PUBLISH):
+        has_deadman = self.settings.features & p.CONTROL_VALUE_FEATURE_DEADMAN
+        known = {p.CONTROL_DEADMAN_TICKS: has_deadman, p.CONTROL_ARM: has_deadman}
+        if not {**known, p.CONTROL_PUBLISH: self.settings.groups}.get(address):
             return p.REPLY_STATUS_BAD_ADDRESS
         if (address == p.CONTROL_ARM and value != 1) or (address == p.CONTROL_PUBLISH and value > 1):
             return p.REPLY_STATUS_INVALID

@@ -28,3 +28,4 @@ class Settings:
     gateware_version: int = 0x00010000
     build: int = 0
     safe: tuple[tuple[int, int], ...] = ()
+    lists: bool = True  # without lists, groups or exchange groups their requests have no form

@@ -54,6 +54,7 @@ end package;
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use work.engine_pkg.all;
   use work.sized_core_pkg.all;
   use work.wishbone_pkg.all;
 
@@ -79,7 +80,7 @@ end entity;
 architecture rtl of sized_core is
 begin
   core : entity work.core
-    generic map (settings => settings)
+    generic map (settings => settings, engine => engine_{engine})
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
@@ -122,7 +123,7 @@ class Mapped:
 def verilog_of(row: Row) -> str:
     """Return the netlist of the row's entity, as Verilog."""
     if row.top == "core":
-        return core_netlist({**SMALL, **row.settings})
+        return core_netlist({**SMALL, **row.settings}, row.engine)
     if not row.example:
         return netlist(row.top, assertions=False)
     with tempfile.TemporaryDirectory() as folder:
@@ -138,17 +139,17 @@ def top_of(row: Row) -> str:
     return SIZED if row.top == "core" else row.top
 
 
-def core_netlist(settings: Mapping[str, int | str | bool]) -> str:
+def core_netlist(settings: Mapping[str, int | str | bool], engine: str = "fast") -> str:
     """Return the netlist of the core with these settings, in the top level SIZED."""
     with tempfile.TemporaryDirectory() as folder:
         top = Path(folder) / "sized_core.vhd"
-        top.write_text(SIZED_CORE.format(settings=core_settings(settings)), encoding="ascii")
+        top.write_text(SIZED_CORE.format(settings=core_settings(settings), engine=engine), encoding="ascii")
         return netlist(SIZED, sources=[top], assertions=False)
 
 
 def digest(row: Row) -> str:
     """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
-    design = f"{row.example} {row.protocol}" if row.example else ""
+    design = f"{row.example} {row.protocol}" if row.example else row.engine.replace("fast", "")
     said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), design)).encode())
     spec = ROOT / "examples" / row.example / f"{row.example}.ul"
     paths = needed_sources("core" if row.example else row.top, gateware_sources())

@@ -47,6 +47,10 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
         found.append(f"{row.name}: {ice40['cells']} cells, and at most {row.cells_most} are allowed")
     if row.mhz_least is not None and ice40["mhz"] < row.mhz_least:
         found.append(f"{row.name}: {ice40['mhz']} MHz, and at least {row.mhz_least} are asked")
+    if row.memories_most is not None and ice40["memories"] > row.memories_most:
+        found.append(
+            f"{row.name}: {ice40['memories']} block RAMs, and at most {row.memories_most} are allowed"
+        )
     for chip, figures in now.items():
         before = (recorded or {}).get(chip)
         if before is None:
@@ -61,6 +65,7 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
 def limits(row: Row) -> str:
     """Return what the project wants of the row, on iCE40."""
     wanted = [f"at most {row.cells_most} cells"] if row.cells_most else []
+    wanted += [f"at most {row.memories_most} block RAMs"] if row.memories_most else []
     wanted += [f"at least {row.mhz_least:.0f} MHz"] if row.mhz_least else []
     return ", ".join(wanted)
 

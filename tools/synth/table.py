@@ -19,10 +19,12 @@ class Row:
     settings: Mapping[str, int | str | bool] = field(default_factory=dict)  # that differ from SMALL
     example: str = ""  # the folder in examples/ whose generated design it is
     protocol: str = "classic"  # of that design; a core has it among its settings
+    engine: str = "fast"  # of the framed protocol in a core
     chips: tuple[str, ...] = ("ice40", "ecp5")
     seeds: tuple[int, ...] = SEEDS
     cells_most: int | None = None  # on iCE40
     mhz_least: float | None = None  # on iCE40, the median of the seeds
+    memories_most: int | None = None  # on iCE40
 
 
 # The common settings of the core's rows: the goals of the project are for a small core.

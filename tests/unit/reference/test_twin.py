@@ -11,6 +11,7 @@ from reference.device import ReferenceDevice
 from reference.framing import Borders, Frame, field
 from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
+from reference.small_engine import small_settings
 
 from unitylink import _native
 from unitylink import protocol as p
@@ -28,8 +29,11 @@ def twin_of(settings: Settings, fifo: int = 0) -> _native.Device:
             data_bits=8 * settings.d,
             clock_hz=settings.clock_hz,
             base_hz=settings.base_hz,
-            groups=settings.groups,
-            group_size=settings.group_size,
+            groups=max(settings.groups, 1),
+            group_size=max(settings.group_size, 1),
+            publish_mode=2 if settings.groups else 0,
+            lists=settings.lists,
+            protocol="both" if settings.features & p.CONTROL_VALUE_FEATURE_CLASSIC else "framed",
             bus_error_ranges=(ERRORS,),
             silent_ranges=(SILENT,),
             fifo=fifo,
@@ -96,6 +100,17 @@ def a_scenario(seed: int) -> None:
         )
     for address in range(0x38):
         assert twin.get(address) == reference.bus.words.get(address, 0), f"{address:#x}, seed {seed}"
+
+
+def test_a_twin_of_the_small_engine() -> None:
+    """With its sizes, and without what it has not. tests/gateware compares the VHDL with the reference."""
+    for seed in range(12):
+        a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
+        settings = small_settings(a, d, (8, 2, 4)[seed % 3], safe=SAFE)
+        twin, reference = twin_of(settings), reference_of(settings)
+        for step in Scenario(seed, settings):
+            told, expected = ask(twin, step), reference.feed(step)
+            assert without_clock(told) == without_clock(expected), f"seed {seed}: {step.hex(' ')}"
 
 
 def test_60_scenarios() -> None:

@@ -1,0 +1,85 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The instructions of byte_processor. tools/small/assemble.py has the same numbers.
+--
+--   0 operation(4) mode(2) address(9)
+--   1 condition(3) inverted(1) call(1) target(10)
+--
+-- The mode says what the operand is: 0 the byte at the address, 1 the address itself, 2 the byte at X, 3 the byte at X,
+-- and then X goes to the next byte.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+package small_instruction_pkg is
+
+  subtype small_instruction_t is std_ulogic_vector(15 downto 0);
+  type small_program_t is array (natural range <>) of small_instruction_t;
+
+  constant is_jump     : natural := 15;
+  subtype condition_f is natural range 14 downto 12;
+  constant is_inverted : natural := 11;  -- it jumps if the condition does not hold; with if_always it returns
+  constant is_call     : natural := 10;
+  subtype target_f    is natural range 9 downto 0;
+
+  subtype operation_f is natural range 14 downto 11;
+  subtype mode_f      is natural range 10 downto 9;
+  subtype address_f   is natural range 8 downto 0;
+  subtype value_f     is natural range 7 downto 0;
+
+  -- Operations. 0 to 7 change the accumulator, A: load, and, or, xor, and then add, add with carry, subtract, subtract
+  -- with carry.
+  constant do_in    : std_ulogic_vector(3 downto 0) := "1000";  -- A becomes the byte of a port
+  constant do_store : std_ulogic_vector(3 downto 0) := "1001";
+  constant do_point : std_ulogic_vector(3 downto 0) := "1010";  -- X becomes the address, or its highest bit and A
+  constant do_put   : std_ulogic_vector(3 downto 0) := "1011";  -- A is the next byte of the reply
+  constant do_out   : std_ulogic_vector(3 downto 0) := "1100";  -- actions of the hardware
+  constant do_tell  : std_ulogic_vector(3 downto 0) := "1101";  -- the same: the clock and the dead-man
+  constant do_clear : std_ulogic_vector(3 downto 0) := "1110";  -- the operand becomes zero
+  constant do_taken : std_ulogic_vector(3 downto 0) := "1111";  -- the program takes a piece from the ring
+
+  constant if_always    : std_ulogic_vector(2 downto 0) := "000";
+  constant if_zero      : std_ulogic_vector(2 downto 0) := "001";
+  constant if_carry     : std_ulogic_vector(2 downto 0) := "010";
+  constant if_piece     : std_ulogic_vector(2 downto 0) := "011";
+  constant if_sending   : std_ulogic_vector(2 downto 0) := "100";
+  constant if_accessing : std_ulogic_vector(2 downto 0) := "101";
+  constant if_turned    : std_ulogic_vector(2 downto 0) := "110";
+
+  type small_conditions_t is record
+    piece     : std_ulogic;  -- a piece with its 00 waits in the ring
+    sending   : std_ulogic;  -- a reply is being sent
+    accessing : std_ulogic;  -- an access is on the bus
+    turned    : std_ulogic;  -- the clock has turned
+  end record;
+
+  -- One bit for each action: of do_out, and of do_tell.
+  subtype small_actions_t is std_ulogic_vector(8 downto 0);
+
+  constant out_shift_data    : natural := 0;  -- A becomes the lowest byte of the word; the others move up
+  constant out_shift_address : natural := 1;
+  constant out_read          : natural := 2;  -- begin an access
+  constant out_write         : natural := 3;
+  constant out_time          : natural := 4;  -- the clock becomes the upper half of the word
+  constant out_crc           : natural := 5;  -- step with A
+  constant out_crc_clear     : natural := 6;
+  constant out_send          : natural := 7;  -- send the reply
+  constant out_free          : natural := 8;  -- the ring is free up to A
+
+  constant tell_turn_seen    : natural := 0;
+  constant tell_overrun_seen : natural := 1;
+  constant tell_start        : natural := 2;  -- these go to the dead-man
+  constant tell_trip         : natural := 3;
+  constant tell_renew        : natural := 4;
+  constant tell_arm          : natural := 5;
+  constant tell_counted      : natural := 6;
+  constant tell_alive        : natural := 7;
+  constant tell_check_next   : natural := 8;  -- the next seven bits of the CRC
+
+  -- Ports.
+  constant in_data   : std_ulogic_vector(1 downto 0) := "00";  -- the highest byte of the word
+  constant in_check  : std_ulogic_vector(1 downto 0) := "01";  -- a byte of the check: seven bits of the CRC
+  constant in_status : std_ulogic_vector(1 downto 0) := "10";
+  constant in_x      : std_ulogic_vector(1 downto 0) := "11";
+
+end package;

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The small engine in VHDL: the bytes of the reference, and what the reference has no time for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from reference.bus import Bus
+from reference.device import ReferenceDevice
+from reference.framing import Frame, field
+from reference.host import EPOCH, ask, frames_of, opening, without_clock
+from reference.scenario import Scenario
+from reference.settings import Settings
+from reference.small_engine import small_settings
+
+from unitylink import protocol as p
+from unitylink.interface.board_configuration import BoardConfiguration
+
+SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
+BAD = 0x38  # four words that answer with an error, and four that do not answer
+SILENCE = 3000  # clocks: longer than any pause within the answers to a step
+TICK = 5000  # clocks
+LINE = 40  # clocks a byte takes on the fastest line that the engine is for
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed_small.md"
+
+
+@pytest.mark.parametrize("bench", ["byte_processor_tb", "framed_small_tb"])
+def test_bench(ghdl: Any, bench: str) -> None:
+    ghdl.run(bench)
+
+
+@pytest.mark.parametrize(
+    ("generics", "message"),
+    [
+        ({"window": 16}, "window is 16; it has places for 8"),
+        ({"lists": True}, "set publish_mode 0, lists false, exchanges 0"),
+        ({"publish_mode": 1}, "set publish_mode 0, lists false, exchanges 0"),
+    ],
+)
+def test_what_it_does_not_have_is_refused(ghdl: Any, generics: dict[str, Any], message: str) -> None:
+    ghdl.refuse("framed_small_tb", message, **generics)
+
+
+def test_a_program_of_another_length_is_refused(ghdl: Any) -> None:
+    ghdl.refuse("byte_processor_tb", "a program has 1024 instructions", length=512)
+
+
+def play(rtl: Any, settings: Settings, steps: Sequence[Any], **generics: Any) -> list[bytes]:
+    """What the core answers to each step: bytes, sent until all is quiet, or a step of the bench."""
+    configuration = BoardConfiguration(
+        address_bits=8 * settings.a, data_bits=8 * settings.d, base_hz=settings.base_hz, groups=1
+    )
+    exchanges = [
+        [("send", step.decode("latin-1")), ("quiet", SILENCE)] if isinstance(step, bytes) else [step]
+        for step in steps
+    ]
+    own = {"engine": "small", "protocol": "framed", "lists": False, "exchanges": 0, "publish_mode": 0}
+    own |= {"window": settings.window, "bad_base": BAD, "recorded": 0}
+    answers: list[bytes] = rtl(configuration, exchanges, **{**own, **generics})
+    return answers
+
+
+RUNS = [  # seed, window, generics
+    (0, 8, {}),
+    (1, 2, {"stall_percent": 30}),
+    (2, 4, {"bus_stall_percent": 30}),
+    (3, 8, {"byte_clocks": 40}),
+    (4, 2, {"bus_waits": 3, "byte_clocks": 4}),
+    (5, 8, {"fifo_words": 16, "stall_percent": 20}),
+]
+
+
+@pytest.mark.parametrize(("seed", "window", "generics"), RUNS)
+def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) -> None:
+    a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
+    settings = small_settings(a, d, window, safe=SAFE)
+    bad = dict.fromkeys(range(BAD, BAD + 4), p.REPLY_STATUS_BUS_ERROR)
+    bad |= dict.fromkeys(range(BAD + 4, BAD + 8), p.REPLY_STATUS_BUS_TIMEOUT)
+    reference = ReferenceDevice(settings, Bus(bad))
+    steps = [step for step in Scenario(seed, settings, steps=15) if step]
+    memory = [Frame(p.REQUEST_KIND_READ, field((n, 2), (n, a))).encode(EPOCH) for n in range(BAD)]
+    expected = [reference.feed(step) for step in steps]
+    again = [opening(reference.nonce + 1), b"".join(memory)]
+    steps += again
+    expected += [reference.feed(step) for step in again]
+    answers = play(rtl, settings, steps, **generics)
+    for number, (step, told) in enumerate(zip(steps, answers, strict=True)):
+        assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"
+
+
+def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
+    """The nonce outlives the reset, and so the first HELLO behind it has the second nonce."""
+    hello, old_open, _ = opening().removeprefix(b"\0").split(b"\0")
+    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # in the session from before
+    steps = [opening(), ("reset", 3), b"\0" + hello + b"\0", old_open + b"\0" + write, opening(3, EPOCH + 1)]
+    _, _, offered, late, opened = play(rtl, small_settings(), steps)
+    assert [int.from_bytes(f.payload[1:3], "big") for f in frames_of(offered, p.FRAME_OPEN_EPOCH)] == [2]
+    assert [f.kind for f in frames_of(late, p.FRAME_OPEN_EPOCH)] == [p.DEVICE_KIND_CLOSED]
+    kinds = [f.kind for f in frames_of(opened, p.FRAME_OPEN_EPOCH)]
+    assert kinds == [p.DEVICE_KIND_HELLO, p.DEVICE_KIND_OPEN]
+
+
+def test_the_clock_counts_beyond_its_bits_in_hardware(rtl: Any) -> None:
+    """16 bits are hardware, and the program counts their turns. `time_high` goes with `time_low`."""
+    read = [ask(p.REQUEST_KIND_READ_CONTROL, (n, 2), (p.CONTROL_TIME_LOW, 2), (2, 1)) for n in range(3)]
+    steps = [opening(), read[0], ("wait", 140_000), read[1], read[2]]
+    answers = play(rtl, small_settings(), steps)
+    asked = [clock for kind, clock, _ in rtl.times if kind == "i"][1:]
+    told = [int.from_bytes(frames_of(answers[n])[0].payload[4:], "big") for n in (1, 3, 4)]
+    low = [time >> 32 for time in told]
+    assert [time & 0xFFFFFFFF for time in told] == [0, 0, 0]
+    assert low[1] > 2 << 16
+    for (one, another), (before, behind) in zip(pairwise(low), pairwise(asked), strict=True):
+        assert abs((another - one) - (behind - before)) < 100
+
+
+def test_the_dead_man_at_its_tick(rtl: Any) -> None:
+    settings = small_settings(base_hz=50_000_000 // TICK, safe=SAFE)
+    ticks, arm = p.CONTROL_DEADMAN_TICKS, p.CONTROL_ARM
+    steps = [
+        opening(),
+        ask(p.REQUEST_KIND_WRITE, (0, 2), (0x11, 2), (9, 4)),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (ticks, 2), (4, 4)),
+        ask(p.REQUEST_KIND_READ_CONTROL, (2, 2), (arm, 2), (1, 1)),
+        ("wait", 5 * TICK),
+        ask(p.REQUEST_KIND_READ_CONTROL, (3, 2), (ticks, 2), (2, 1)),
+        ask(p.REQUEST_KIND_READ, (4, 2), (0x10, 2)) + ask(p.REQUEST_KIND_READ, (5, 2), (0x11, 2)),
+        ask(p.REQUEST_KIND_WRITE, (6, 2), (0x11, 2), (9, 4)),
+        ask(p.REQUEST_KIND_POST, (0, 2), (0x11, 2), (9, 4)) + ask(p.REQUEST_KIND_SYNC, (7, 2)),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (8, 2), (arm, 2), (1, 4)),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (9, 2), (ticks, 2), (4, 4)),
+        opening(2),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (arm, 2), (1, 4)),
+        ask(p.REQUEST_KIND_WRITE, (1, 2), (0x11, 2), (9, 4)),
+        ask(p.REQUEST_KIND_READ_CONTROL, (2, 2), (p.CONTROL_REFUSED, 2), (2, 1)),
+    ]
+    answers = play(rtl, settings, steps)
+    shown = [
+        [(frame.kind - 0xC0, frame.payload[4:].hex()) for frame in frames_of(answer)] for answer in answers
+    ]
+    denied = (p.REPLY_STATUS_DENIED, "")
+    assert shown[1] == shown[2] == [(0, "")]
+    assert shown[3] == [(0, "00000002")], "a frame within its time"
+    assert shown[5] == [(0, "0000000000000001")], "tripped"
+    assert shown[6] == [(0, "00000001"), (0, "ffffffff")], "the safe values"
+    assert shown[7] == [denied]
+    assert shown[8] == [(0, field((1, 2), (1, 2), (0, 2), (p.REPLY_STATUS_DENIED, 1)).hex())]
+    assert shown[9] == shown[10] == [denied], "not in the session in which it tripped"
+    assert shown[12] == shown[13] == [(0, "")]
+    assert shown[14] == [(0, "0000000400000001")], "refused, trips"
+    (strobe,) = [at for kind, at, address in rtl.times if kind == "t" and address == 0x10][:1]
+    heard = [at for kind, at, _ in rtl.times if kind == "i" and at < strobe][-1]
+    late = figures_of_page()["read, last byte in to strobe"]  # the sign of life is before the strobe
+    assert 3 * TICK < strobe - heard <= 4 * TICK + late + 10, "four ticks behind the last frame"
+
+
+def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any) -> None:
+    """Behind a reply that nobody takes, frames wait in the ring; they are signs of life."""
+    settings = small_settings(base_hz=50_000_000 // TICK, safe=SAFE)
+    read = [ask(p.REQUEST_KIND_READ, (n, 2), (0x11, 2)) for n in range(1, 9)]
+    steps: list[Any] = [
+        opening(),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (3, 4)),
+        ("deaf", 1),
+    ]
+    for frame in read:
+        steps += [("send", frame.decode("latin-1")), ("wait", 2 * TICK)]
+    steps += [("wait", 3 * TICK), ("deaf", 0), ("quiet", SILENCE), opening(2)]
+    play(rtl, settings, steps)
+    said = [clock for kind, clock, _ in rtl.times if kind == "i"]
+    tripped = [clock for kind, clock, _ in rtl.times if kind == "p"]
+    assert len(tripped) == 1
+    last = said[2 + len(read) - 1]
+    assert last - said[2] > 4 * TICK, "it lives longer than a silence may be"
+    assert 2 * TICK <= tripped[0] - last <= 3 * TICK + 1000
+
+
+def test_posts_among_reads_are_all_executed_on_a_uart(rtl: Any) -> None:
+    """The line is never too fast for the ring: nothing is lost, and all is executed in order."""
+    count = 24
+    posts = [ask(p.REQUEST_KIND_POST, (n, 2), (0x20, 2), (n, 4)) for n in range(count)]
+    reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, 2)) for n in range(7)]
+    mixed = [b"".join(posts[4 * n : 4 * n + 4]) + reads[n] for n in range(6)]
+    sync = ask(p.REQUEST_KIND_SYNC, (6, 2))
+    overruns = ask(p.REQUEST_KIND_READ_CONTROL, (7, 2), (p.CONTROL_RECEIVE_OVERRUNS, 2), (1, 1))
+    steps = [opening(), b"".join(mixed) + sync + overruns]
+    _, told = play(rtl, small_settings(), steps, physical="uart")
+    *values, executed, lost = [frame.payload[4:].hex() for frame in frames_of(told)]
+    assert values == [f"{4 * n + 3:08x}" for n in range(6)]
+    assert executed[:4] == f"{count:04x}"
+    assert lost == "00000000"
+
+
+def test_a_full_ring_makes_the_line_wait(rtl: Any) -> None:
+    """Behind a reply that takes long there is room for 127 bytes, and the rest comes when it is sent."""
+    reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, 2)) for n in range(8)]
+    posts = [ask(p.REQUEST_KIND_POST, (n, 2), (0x20, 2), (n + 1, 4)) for n in range(12)]
+    steps = [opening(), b"".join(reads[:2]) + b"".join(posts) + b"".join(reads[2:])]
+    _, told = play(rtl, small_settings(), steps, byte_clocks=400)
+    frames = frames_of(told)
+    assert [frame.payload[:2].hex() for frame in frames] == [f"{n:04x}" for n in range(8)]
+    assert [int.from_bytes(frame.payload[4:], "big") for frame in frames] == [0, 0, *[12] * 6]
+
+
+def figures_of_page() -> dict[str, int]:
+    page = PAGE.read_text(encoding="utf-8")
+    return {row: int(value) for row, value in re.findall(r"^\| (\w.*?) \| (\d+) \|$", page, re.MULTILINE)}
+
+
+def figures(rtl: Any) -> dict[str, int]:
+    """Clocks at two address and four data bytes, with a byte per two clocks each way."""
+    settings = small_settings()
+    reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, 2)) for n in range(9)]
+    play(rtl, settings, [opening(), reads[0], reads[1]])
+    sent = [at for kind, at, _ in rtl.times if kind == "i"][-1]
+    strobe = [at for kind, at, _ in rtl.times if kind == "t"][-1]
+    bytes_out = [at for kind, at, _ in rtl.times if kind == "b" and at > sent]
+    play(rtl, settings, [opening(), b"".join(reads)], byte_clocks=LINE)
+    strobes = [at for kind, at, _ in rtl.times if kind == "t"]
+    posts = [ask(p.REQUEST_KIND_POST, (n, 2), (0x20, 2), (0x12345678 + n, 4)) for n in range(9)]
+    play(rtl, settings, [opening(), b"".join(posts)])
+    writes = [at for kind, at, _ in rtl.times if kind == "t"]
+    zeros = [ask(p.REQUEST_KIND_POST, (n, 2), (0, 2), (0, 4)) for n in range(9)]
+    play(rtl, settings, [opening(), b"".join(zeros)])
+    zeroed = [at for kind, at, _ in rtl.times if kind == "t"]
+    short = [ask(p.REQUEST_KIND_POST, (n, 2), (0, 1), (0, 1)) for n in range(9)]
+    play(rtl, small_settings(1, 1), [opening(), b"".join(short)])
+    shortest = [at for kind, at, _ in rtl.times if kind == "t"]
+    return {
+        "read, last byte in to strobe": strobe - sent,
+        "read, last byte in to first out": bytes_out[0] - sent,
+        "period of reads, 40 clocks a byte out": max(b - a for a, b in pairwise(strobes[2:])),
+        "period of posts": max(b - a for a, b in pairwise(writes[2:])),
+        "period of posts of zeros": max(b - a for a, b in pairwise(zeroed[2:])),
+        "period of posts of zeros, one address and data byte": max(b - a for a, b in pairwise(shortest[2:])),
+    }
+
+
+def test_figures_are_those_of_the_page(rtl: Any) -> None:
+    told, page = figures(rtl), figures_of_page()
+    assert {row: page[row] for row in told} == told
+    post = len(ask(p.REQUEST_KIND_POST, (1, 2), (0, 2), (0, 4)))
+    assert told["period of posts of zeros"] <= LINE * post, "posts are executed as fast as they arrive"

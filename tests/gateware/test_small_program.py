@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The small engine's program: histories against the reference, and mistakes in it that they must notice."""
+
+from __future__ import annotations
+
+import importlib
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from reference.bus import Bus
+from reference.device import ReferenceDevice
+from reference.framing import Frame, field
+from reference.host import EPOCH, ask, frames_of, opening, without_clock
+from reference.scenario import Scenario
+from reference.settings import Settings
+from reference.small_engine import SmallEngine, small_settings
+
+from unitylink import protocol as p
+from unitylink.gateware import gateware_folder
+
+SOURCE = gateware_folder() / "small" / "program.asm"
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
+WIDTHS = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)]
+BAD = {0x38: p.REPLY_STATUS_BUS_ERROR, 0x39: p.REPLY_STATUS_BUS_TIMEOUT}
+SAFE = ((0x10, 1), (0x11, 0xFF))
+
+
+@pytest.fixture
+def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """tools/small/assemble.py, which is no package."""
+    monkeypatch.syspath_prepend(str(TOOLS / "small"))
+    return importlib.import_module("assemble")
+
+
+def test_what_is_made_of_the_program_is_not_stale(assembler: Any) -> None:
+    program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
+    remedy = "python tools/small/assemble.py"
+    assert assembler.PACKAGE.read_text(encoding="utf-8") == assembler.package(program), remedy
+    assert assembler.LISTING.read_text(encoding="utf-8") == assembler.listing(program), remedy
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (" jmp nowhere", "line 1: jmp nowhere: there is no place nowhere"),
+        ("a: put\na: put", "line 2: a stands twice"),
+        (".var a\n.var a", "line 2: a stands twice"),
+        ("\n ld #256", "line 2: ld #256: #256 is 256, and must be from 0 to 255"),
+        (" ld 512", "line 1: ld 512: 512 is 512, and must be from 0 to 511"),
+        (" halt", "line 1: halt : there is no instruction halt"),
+        (" in time", "line 1: in time: "),
+        (" out shift", "line 1: out shift: "),
+        (" ld #later", "line 1: ld #later: later: name 'later' is not defined"),
+        (" put\n" * 1025, "the program has 1025 instructions, and at most 1024 fit"),
+    ],
+)
+def test_a_line_that_cannot_be_assembled_is_told(assembler: Any, text: str, message: str) -> None:
+    with pytest.raises(assembler.Mistake) as told:
+        assembler.assemble(text)
+    assert str(told.value).startswith(message)
+
+
+def end_of_all(settings: Settings, nonce: int) -> Iterator[bytes]:
+    """A session that asks what the histories before have left: memory and counters."""
+    yield opening(nonce)
+    for number in range(0x40):
+        yield ask(p.REQUEST_KIND_READ, (number, 2), (number, settings.a))
+    yield ask(p.REQUEST_KIND_READ_CONTROL, (0x40, 2), (p.CONTROL_FRAMES, 2), (18, 1))
+
+
+def history(seed: int, settings: Settings) -> Iterator[bytes]:
+    """A scenario, or what a scenario does not have: the dead-man, pieces of all lengths, more registers."""
+    if seed % 2 == 0:
+        yield from (step for step in Scenario(seed, settings, steps=40) if step)
+        return
+    draw = random.Random(seed)
+    yield opening()
+    sent = []
+    posts, nonce = 0, 1
+    for number in range(60):
+        kind = draw.choice((p.REQUEST_KIND_READ, p.REQUEST_KIND_WRITE, p.REQUEST_KIND_POST) * 3 + OTHERS)
+        address = (draw.choice((0x10, 0x11, 0x20, 0x38, 0x39)), settings.a)
+        data = (draw.randrange(1 << 8 * settings.d), settings.d)
+        register = draw.choice((p.CONTROL_ARM, *[p.CONTROL_DEADMAN_TICKS] * 3, p.CONTROL_PUBLISH, 0x102))
+        fields = {
+            p.REQUEST_KIND_READ: (address,),
+            p.REQUEST_KIND_READ_CONTROL: ((draw.randrange(0x50), 2), (draw.randrange(20), 1)),
+            p.REQUEST_KIND_WRITE_CONTROL: ((register, 2), (draw.choice((0, 1, 1 << 30, 1 << 30)), 4)),
+            p.REQUEST_KIND_SYNC: (),
+            p.REQUEST_KIND_CLOSE: (),
+        }.get(kind, (address, data))
+        if kind == p.REQUEST_KIND_POST:
+            wire = ask(kind, (posts, 2), *fields)
+            posts += 1
+        else:
+            chained = p.FRAME_CHAINED_BIT * draw.randrange(2)
+            barrier = p.FRAME_BARRIER_BIT * (draw.random() < 0.3)
+            head = ((number, 2), (posts, 2))[: 2 if barrier else 1]
+            wire = ask(kind | chained | barrier, *head, *fields)
+        sent.append(wire)
+        fate = draw.random()
+        if fate < 0.1:
+            wire = bytes(draw.randrange(1, 256) for _ in range(draw.choice((3, 20, 33, 34, 39, 60, 150))))
+            wire = bytes([draw.randrange(0x80, 0x100)]) + wire + b"\0"
+        elif fate < 0.2:
+            wire = wire[: draw.randrange(len(wire))] + b"\0"
+        elif fate < 0.4:
+            wire += draw.choice(sent)
+        if kind == p.REQUEST_KIND_CLOSE:  # the frames behind it belong to no session, or to the next one
+            wire += sent[-1]
+        if kind == p.REQUEST_KIND_CLOSE or draw.random() < 0.05:
+            nonce += 1
+            wire = sent[0] + wire + sent[-1] + opening(nonce if draw.random() < 0.8 else nonce - 1) + sent[0]
+        if TIME_LOW not in wire:
+            yield wire
+
+
+OTHERS = (
+    p.REQUEST_KIND_READ_CONTROL,
+    p.REQUEST_KIND_READ_CONTROL,
+    p.REQUEST_KIND_WRITE_CONTROL,
+    p.REQUEST_KIND_WRITE_CONTROL,
+    p.REQUEST_KIND_SYNC,
+    p.REQUEST_KIND_CLOSE,
+)
+TIME_LOW = bytes([p.CONTROL_TIME_LOW])  # its value is another each time
+
+
+def difference(program: Any, seed: int) -> str:
+    """What the program does otherwise than the reference in a history; nothing if they are the same."""
+    a, d = WIDTHS[seed % 6]
+    settings = small_settings(a, d, (8, 2, 4)[seed % 5 % 3], safe=SAFE)
+    reference = ReferenceDevice(settings, Bus(dict(BAD)))
+    engine = SmallEngine(program, settings, Bus(dict(BAD)), reply_steps=seed % 4 * 300)
+    steps = list(history(seed, settings))
+    for number, step in enumerate(steps):
+        expected, told = reference.feed(step), engine.feed(step)
+        if without_clock(expected) != without_clock(told) or reference.bus.log != engine.bus.log:
+            return f"step {number}: {step.hex(' ')}: {without_clock(told)}, not {without_clock(expected)}"
+    for step in end_of_all(settings, reference.nonce + 1):
+        expected, told = reference.feed(step), engine.feed(step)
+        if without_clock(expected) != without_clock(told):
+            return f"in the end: {step.hex(' ')}: {without_clock(told)}, not {without_clock(expected)}"
+    return ""
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(24), *(pytest.param(n, marks=pytest.mark.long) for n in range(24, 2000))]
+)
+def test_a_history(assembler: Any, seed: int) -> None:
+    assert not difference(assembler.assemble(SOURCE.read_text(encoding="utf-8")), seed)
+
+
+def test_counters_stop_at_their_most(assembler: Any) -> None:
+    program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
+    engine = SmallEngine(program, small_settings())
+    engine.feed(opening())
+    frames = program.names["counters"]
+    engine.memory[frames : frames + 4] = bytes.fromhex("fffffffe")
+    read = [ask(p.REQUEST_KIND_READ_CONTROL, (n, 2), (p.CONTROL_FRAMES, 2), (1, 1)) for n in range(3)]
+    told = [frame.payload[4:].hex() for frame in frames_of(engine.feed(b"".join(read)))]
+    assert told == ["ffffffff"] * 3
+    engine.memory[frames : frames + 4] = bytes.fromhex("0000ffff")
+    (frame,) = frames_of(engine.feed(ask(p.REQUEST_KIND_READ_CONTROL, (3, 2), (p.CONTROL_FRAMES, 2), (1, 1))))
+    assert frame.payload[4:].hex() == "00010000"
+
+
+def squeeze(text: str) -> str:
+    """Return the instructions of a source, without comments and blanks: so a test can name some of them."""
+    lines = (" ".join(line.partition(";")[0].split()) for line in text.splitlines())
+    return "; ".join(line for line in lines if line)
+
+
+MISTAKES = {  # what the program forgets: from, to
+    "to store the id": ("ld id_l; st [x+]; ld id_h; st [x+]; ld status", "out [x+]; out [x+]; ld status"),
+    "to store the status": ("ld status; st [x+]; ld count; st [x+]", "out [x+]; ld count; st [x+]"),
+    "the first byte of the check": ("decode_code; in check; xor [x+]; jnz is_wrong", "decode_code; out [x+]"),
+    "the last byte of the check": ("xor [x]; jnz is_wrong; ", ""),
+    "that a wrong frame is dropped": ("is_wrong: ld #discarded_check & 0x7F", "is_wrong: ld kind"),
+    "that a block may be cut": ("jnc is_wrong; st rest; ld [x]", "st rest; ld [x]"),
+    "that a repeat is known": ("jz not_new; ", ""),
+    "that an old id is stale": ("ld count; and #0x80; jnz stale; ", ""),
+    "the order of chained requests": ("jnc order; ", ""),
+    "the barrier": ("xor posts_l; jnz behind; ", ""),
+    "that a post is old": ("jnz post_other; ", ""),
+    "to count a post": ("add #1; st posts_l; jnc", "add #1; jnc"),
+    "to empty the places": ("jnz session_place; ", ""),
+    "the nonce of an OPEN": ("xor nonce_l; jnz stale; ", ""),
+    "that a nonce is accepted once": ("st offered; tell trip", "tell trip"),
+    "that OPEN trips the dead-man": ("st offered; tell trip", "st offered"),
+    "that a request waits for an OPEN": ("st paused; jmp is_right", "jmp is_right"),
+    "that a request waits for a CLOSE": ("st paused; is_alive:", "is_alive:"),
+    "the epoch": ("jz no_session; ld [x+]; xor epoch_l", "jz no_session; ld [x+]"),
+    "that a denied write was not executed": ("xor #REPLY_STATUS_DENIED; jz answer; ", ""),
+    "what a read failed of": ("call await; jnz unanswered; call slot", "call await; call slot"),
+    "that a long piece is dropped": ("ld #1; st over; ld head", "ld head"),
+    "zeros in a reply": ("jnz encode; in x", "jnz sum_end; in x"),
+    "to free the ring": ("st head; out free; xor look", "st head; xor look"),
+}
+
+
+def damage_passes(program: Any) -> bool:
+    """Whether a WRITE with two flipped bits, wherever they are, is executed or answered."""
+    engine = SmallEngine(program, small_settings())
+    engine.feed(opening())
+    right = Frame(p.REQUEST_KIND_WRITE, field((0, 2), (0x20, 2), (0x12345678, 4))).encode(EPOCH)
+    draw = random.Random(5)
+    for _ in range(400):
+        hurt = bytearray(right)
+        for bit in draw.sample(range(8 * (len(hurt) - 1)), 2):
+            hurt[bit // 8] ^= 1 << bit % 8
+        if frames_of(engine.feed(bytes(hurt) + b"\0")) or engine.bus.log:
+            return True
+    assert frames_of(engine.feed(b"\0" + right))
+    assert engine.bus.log == [("write", 0x20, 0x12345678)]
+    return False
+
+
+def test_a_frame_with_two_wrong_bits_does_nothing(assembler: Any) -> None:
+    assert not damage_passes(assembler.assemble(SOURCE.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> None:
+    before, behind = MISTAKES[mistake]
+    text = squeeze(SOURCE.read_text(encoding="utf-8"))
+    assert text.count(before) == 1, "the program has changed: choose the place anew"
+    program = assembler.assemble(text.replace(before, behind).replace("; ", "\n"))
+
+    def noticed(seed: int) -> bool:
+        try:
+            return bool(difference(program, seed))
+        except (AssertionError, IndexError):  # it hangs, or sends what is no reply
+            return True
+
+    assert any(noticed(seed) for seed in range(24)) or damage_passes(program)

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The small engine's program on a model of its hardware, without time: bytes come and go at once.
+
+`gateware/small/framed_small.vhd` is the hardware. The model is for many histories, and for wrong programs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from reference.bus import Bus, BusError
+from reference.framing import crc
+from reference.settings import Settings
+from unitylink import protocol as p
+
+DENIED = 3  # what the bus answers to a write after a trip
+STEPS_MOST = 1_000_000
+
+
+class Program(Protocol):
+    """What tools/small/assemble.py makes of the source."""
+
+    words: list[int]
+    names: dict[str, int]
+    labels: dict[str, int]
+
+
+def memory_of(settings: Settings, names: dict[str, int]) -> bytearray:
+    """Return the data memory at power-up, as small_memory_pkg.vhd has it."""
+    s = settings
+    memory = bytearray(512)
+    description = {
+        p.CONTROL_MAGIC: p.CONTROL_VALUE_MAGIC,
+        p.CONTROL_VERSION: p.FRAME_VERSION << 16,
+        p.CONTROL_GATEWARE_VERSION: s.gateware_version,
+        p.CONTROL_BUILD: s.build,
+        p.CONTROL_WIDTHS: 8 * s.a << 16 | 8 * s.d,
+        p.CONTROL_CLOCK_HZ: s.clock_hz,
+        p.CONTROL_BASE_HZ: s.base_hz,
+        p.CONTROL_FEATURES: s.features,
+        p.CONTROL_REQUEST_CREDIT: s.credit,
+        p.CONTROL_FRAME_LIMITS: s.request_max << 16 | s.reply_max,
+        p.CONTROL_WINDOW: s.window << 16 | s.cache,
+        p.CONTROL_GROUPS: s.groups << 16 | s.group_size,
+        p.CONTROL_EXCHANGES: s.exchanges << 16 | s.exchange_size,
+        p.CONTROL_SPEC_HASH_HIGH: s.spec_hash >> 32,
+        p.CONTROL_SPEC_HASH_LOW: s.spec_hash & 0xFFFFFFFF,
+    }
+    for register, value in description.items():
+        memory[4 * register : 4 * register + 4] = value.to_bytes(4, "big")
+    known = {"a_bytes": s.a, "d_bytes": s.d, "window": s.window, "window_mask": s.window - 1}
+    for name, value in {**known, "post_size": 8 + s.a + s.d, "write_bytes": s.a + s.d}.items():
+        memory[names[name]] = value
+    return memory
+
+
+@dataclass
+class SmallEngine:
+    """The engine behind a port_splitter."""
+
+    program: Program
+    settings: Settings
+    bus: Bus = field(default_factory=Bus)
+    reply_steps: int = 0  # instructions for which a reply is being sent
+
+    def __post_init__(self) -> None:
+        self.memory = memory_of(self.settings, self.program.names)
+        self.position = self.a = self.carry = self.x = self.crc = self.word = self.address = 0
+        self.stack = [0, 0]
+        self.answer = self.come = self.free = self.sending = self.pieces = 0
+        self.reply_start = self.program.names["reply"]
+        self.put_at = self.reply_start
+        self.tripped = self.running = self.tripped_now = self.uncounted = False
+        self.waiting = bytearray()
+        self.sent = bytearray()
+        self.at_border = self.inside = False
+
+    def feed(self, data: bytes) -> bytes:
+        """Return what the engine sends for these bytes."""
+        for byte in data:
+            if self.inside or (self.at_border and byte & 0x80):
+                self.waiting.append(byte)
+                self.inside = byte != 0
+            self.at_border = byte == 0
+        self.sent = bytearray()
+        idle, looked = self.program.labels["none"], 0
+        for _ in range(STEPS_MOST):
+            self._receive()
+            looked += self.position == idle and not self.waiting and not self.sending
+            if looked > 2:
+                return bytes(self.sent)
+            self._step()
+        raise AssertionError("the program does not come to an end")
+
+    def _receive(self) -> None:
+        while self.waiting and (self.come + 1) % 128 != self.free:
+            byte = self.waiting.pop(0)
+            self.pieces += byte == 0
+            self.memory[self.program.names["ring"] + self.come] = byte
+            self.come = (self.come + 1) % 128
+
+    def _step(self) -> None:
+        word = self.program.words[self.position]
+        self.position += 1
+        self.sending -= self.sending > 0
+        if word >> 15:
+            self._jump(word)
+            return
+        operation, mode, address = word >> 11 & 15, word >> 9 & 3, word & 511
+        place = self.x if mode > 1 else address
+        operand = address & 255 if mode == 1 else self.memory[place]
+        given = operand if mode > 1 else self.a
+        if operation < 4:
+            self.a = [operand, self.a & operand, self.a | operand, self.a ^ operand][operation]
+        elif operation < 8:
+            added = operand ^ 255 if operation > 5 else operand
+            total = self.a + added + [0, self.carry, 1, self.carry][operation - 4]
+            self.a, self.carry = total & 255, total >> 8
+        elif operation == 8:
+            self.a = [self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255][address & 3]
+        elif operation == 9:
+            self.memory[place] = self.a
+        elif operation == 10:
+            self.x = address if mode == 1 else address & 256 | self.a
+        elif operation == 11:
+            self.memory[self.put_at] = given
+            self.put_at += 1
+        elif operation == 12:
+            self._out(address, given)
+        elif operation == 13:
+            self._tell(address)
+        elif operation == 14:
+            self.memory[place] = 0
+        else:
+            self.pieces -= 1
+        if mode == 3:
+            self.x = self.x & ~127 | (self.x + 1) & 127
+
+    def _jump(self, word: int) -> None:
+        condition, inverted = word >> 12 & 7, word >> 11 & 1
+        if condition == 0 and inverted:
+            self.position = self.stack.pop(0)
+            self.stack.append(self.stack[-1])
+            return
+        holds = (True, self.a == 0, bool(self.carry), self.pieces > 0, self.sending > 0, False, False)
+        if holds[condition] != bool(inverted):
+            if word >> 10 & 1:
+                self.stack = [self.position, self.stack[0]]
+            self.position = word & 1023
+
+    def _status(self) -> int:
+        full = (self.come + 1) % 128 == self.free
+        flags = (self.tripped, self.running, full, self.tripped_now)
+        return sum(flag << n for n, flag in enumerate(flags)) | self.answer << 4 | self.uncounted << 6
+
+    def _out(self, actions: int, given: int) -> None:
+        if actions & 1:
+            self.word = (self.word << 8 | given) & 0xFFFFFFFF
+        if actions & 2:
+            self.address = (self.address << 8 | given) & (1 << 8 * self.settings.a) - 1
+        if actions & 12:
+            self._access(writes=bool(actions & 8))
+        if actions & 32:
+            self.crc = crc(p.FRAME_CRC16_POLYNOMIAL, self.crc, bytes([given]))
+        if actions & 64:
+            self.crc = 0
+        if actions & 128:
+            end = self.memory.index(0, self.reply_start) + 1
+            self.sent += self.memory[self.reply_start : end]
+            self.put_at = self.reply_start
+            self.sending = self.reply_steps
+        if actions & 256:
+            self.free = given & 127
+
+    def _tell(self, actions: int) -> None:
+        """Do what the dead-man does without time, and shift the CRC."""
+        if actions & 4:
+            self.running = self.word != 0 and not self.tripped
+        if actions & 8 and self.running:
+            self.tripped = self.tripped_now = self.uncounted = True
+            self.running = False
+            for address, value in self.settings.safe:
+                self.bus.write(address, value)
+        if actions & 16:
+            self.running = self.tripped_now = False
+        if actions & 32 and not self.tripped_now:
+            self.tripped = False
+        if actions & 64:
+            self.uncounted = False
+        if actions & 256:
+            self.crc >>= 7
+
+    def _access(self, *, writes: bool) -> None:
+        self.answer = 0
+        try:
+            if writes and self.tripped:
+                self.answer = DENIED
+            elif writes:
+                self.bus.write(self.address, self.word & (1 << 8 * self.settings.d) - 1)
+            else:
+                self.word = self.bus.read(self.address)
+        except BusError as error:
+            self.answer = error.status
+
+
+def small_settings(a: int = 2, d: int = 4, window: int = 8, **others: Any) -> Settings:
+    """Return what a device with the small engine tells of itself."""
+    sizes = {"credit": 96, "request_max": 32, "reply_max": 76, "cache": 8, "window": window}
+    has = {"groups": 0, "group_size": 0, "exchanges": 0, "exchange_size": 16, "lists": False}
+    return Settings(a, d, **{**sizes, **has, "features": p.CONTROL_VALUE_FEATURE_DEADMAN, **others})
