@@ -7,6 +7,9 @@
 #include <cstdlib>
 #include <dlfcn.h>
 #include <memory>
+#include <new>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <unistd.h>
@@ -14,6 +17,8 @@
 #include "device/board.hpp"
 #include "failing.hpp"
 #include "layer0_driver/driver.hpp"
+#include "layer0_driver/polling.hpp"
+#include "layer0_driver/pumped_driver.hpp"
 #include "open_files.hpp"
 #include "unitylink.h"
 
@@ -86,6 +91,31 @@ std::uint32_t lives(const std::string& url, What what, How how, std::uint32_t st
 }
 
 }  // namespace
+
+TEST_CASE("a driver's thread that throws ends its link with the reason, and not the program") {
+  class Thrower final : public PumpedDriver {
+   public:
+    explicit Thrower(SocketPair pair) : PumpedDriver(std::move(pair)) {}
+    ~Thrower() override { Thrower::close(); }
+    using PumpedDriver::start;
+
+   private:
+    void let_go(bool) noexcept override {}
+  };
+  const auto reason_of = [](auto error) {
+    SocketPair pair;
+    REQUIRE(make_socket_pair(pair).ok());
+    Thrower driver(std::move(pair));
+    driver.start([error] { throw error; });
+    std::uint8_t byte = 0;
+    pollfd waiting{driver.descriptor(), POLLIN, 0};
+    REQUIRE(poll_for(std::span(&waiting, 1), for_ever) == 1);
+    CHECK(driver.receive(std::span(&byte, 1)).status == Status::closed);
+    return driver.reason();
+  };
+  CHECK(reason_of(std::bad_alloc()) == "this program is out of memory");
+  CHECK(reason_of(std::runtime_error("the bus is on fire")) == "the bus is on fire");
+}
 
 TEST_CASE("registers in memory: the n-th allocation, opening or mapping fails") {
   const Exempt exempt;
