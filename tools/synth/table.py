@@ -39,6 +39,15 @@ SMALL: Mapping[str, int | str | bool] = {
 # The default settings of a spec, framed. The remedies of unitylink.boards.fit are measured on it.
 SHIPPED = {**SMALL, "protocol": "framed", "groups": 16, "group_size": 32, "exchange_size": 30}
 
+# What the small engine does not have is left out.
+SMALL_ENGINE = {
+    "protocol": "framed",
+    "publish_mode": 0,
+    "lists": False,
+    "exchanges": 0,
+    "window": 8,
+}
+
 
 def _smaller(name: str, what: str, **settings: int | bool) -> Row:
     """Return a row that is measured only for its cells: on one chip, placed once."""
@@ -72,6 +81,21 @@ ROWS = (
         },
         cells_most=1400,
         mhz_least=48.0,
+    ),
+    Row(
+        "small_minimal",
+        "`framed_minimal` with the small engine",
+        settings={**SMALL_ENGINE, "deadman": False},
+        engine="small",
+        cells_most=600,
+        mhz_least=100.0,
+        memories_most=5,
+    ),
+    Row(
+        "small",
+        "the same with the dead-man: all that the small engine has",
+        settings=SMALL_ENGINE,
+        engine="small",
     ),
     Row("framed", "framed alone, with all features", settings={"protocol": "framed"}, mhz_least=48.0),
     Row(
