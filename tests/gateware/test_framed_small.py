@@ -180,6 +180,43 @@ def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any) -> None:
     assert 2 * TICK <= tripped[0] - last <= 3 * TICK + 1000
 
 
+def test_what_a_trip_catches_is_told_as_it_went(rtl: Any) -> None:
+    """At whatever clock it trips: what the replies say was written, was, and then come the safe values."""
+    tick, places = 1500, range(0x40, 0x43)  # two posts and a WRITE
+    settings = small_settings(base_hz=50_000_000 // tick, safe=SAFE)
+    steps: list[Any] = []
+    for number in range(10):
+        epoch = EPOCH + number
+
+        def say(kind: int, *fields: tuple[int, int], epoch: int = epoch) -> bytes:
+            return Frame(kind, field(*fields)).encode(epoch)
+
+        arm = say(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_ARM, 2), (1, 4))
+        start = say(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1, 4))
+        posts = [say(p.REQUEST_KIND_POST, (n, 2), (places[n], 2), (number, 4)) for n in range(2)]
+        write = say(p.REQUEST_KIND_WRITE, (2, 2), (places[2], 2), (number, 4))
+        steps += [opening(number + 1, epoch) + arm, ("wait", 131 * number)]
+        steps += [start + b"".join(posts) + write, say(p.REQUEST_KIND_SYNC, (3, 2))]
+    answers = play(rtl, settings, steps, bus_waits=4)
+    values = [value & 0xFFFFFFFF for kind, _, value in rtl.times if kind == "v"]
+    addresses = [address for kind, _, address in rtl.times if kind == "u"]
+    made = list(zip(addresses, values, strict=True))
+    seen = set()
+    for number in range(10):
+        started, *replies = frames_of(answers[4 * number + 2], EPOCH + number)
+        assert started.kind == p.DEVICE_KIND_REPLY
+        (sync,) = frames_of(answers[4 * number + 3], EPOCH + number)
+        executed, failed = (int.from_bytes(sync.payload[at : at + 2], "big") for at in (4, 6))
+        assert executed == 2
+        told = [(at, number) for at in places[: 2 - failed]]
+        told += [(places[2], number)] if replies[0].kind == p.DEVICE_KIND_REPLY else []
+        assert [word for word in made if word[0] in places and word[1] == number] == told
+        behind = made[made.index(told[-1]) + 1 :] if told else made
+        assert not told or behind[:2] == list(SAFE), "the safe values come next"
+        seen.add(len(told))
+    assert len(seen) > 2, "it trips at different moments"
+
+
 def test_posts_among_reads_are_all_executed_on_a_uart(rtl: Any) -> None:
     """The line is never too fast for the ring: nothing is lost, and all is executed in order."""
     count = 24
