@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib
 import random
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,30 @@ def difference(program: Any, seed: int) -> str:
 )
 def test_a_history(assembler: Any, seed: int) -> None:
     assert not difference(assembler.assemble(SOURCE.read_text(encoding="utf-8")), seed)
+
+
+def test_it_looks_for_bytes_every_4200_clocks(assembler: Any) -> None:
+    """However long a frame takes. An instruction takes two clocks, and the page says so much."""
+    program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
+    looks: list[int] = []
+
+    class Watched(SmallEngine):
+        steps = 0
+
+        def _step(self) -> None:
+            if self.position == program.labels["next"]:
+                looks.append(self.steps)
+            self.steps += 1
+            super()._step()
+
+    settings = small_settings(4, 4)
+    engine = Watched(program, settings)
+    registers = ask(p.REQUEST_KIND_READ_CONTROL, (0, 2), (p.CONTROL_FRAMES, 2), (18, 1))
+    sync = ask(p.REQUEST_KIND_SYNC | p.FRAME_BARRIER_BIT | p.FRAME_CHAINED_BIT, (1, 2), (0, 2))
+    for step in (opening(), registers, sync, sync, ask(p.REQUEST_KIND_CLOSE, (2, 2)), b"\x83" * 200 + b"\0"):
+        engine.feed(step)
+    gaps = [behind - before for before, behind in pairwise(looks)]
+    assert 2000 < max(gaps) <= 2100
 
 
 def test_counters_stop_at_their_most(assembler: Any) -> None:
