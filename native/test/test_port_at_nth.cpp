@@ -113,7 +113,7 @@ TEST_CASE("a driver's thread that throws ends its link with the reason, and not 
     CHECK(driver.receive(std::span(&byte, 1)).status == Status::closed);
     return driver.reason();
   };
-  CHECK(reason_of(std::bad_alloc()) == "this program is out of memory");
+  CHECK(reason_of(std::bad_alloc()) == "out of memory");
   CHECK(reason_of(std::runtime_error("the bus is on fire")) == "the bus is on fire");
 }
 
@@ -198,4 +198,16 @@ TEST_CASE("an RS-485 pair: the n-th allocation or thread fails, and its driver o
     }
     CHECK(nth > 5);
   }
+
+  std::unique_ptr<Driver> driver;
+  REQUIRE(open_driver(url, 0, driver).ok());
+  failing::arm(What::allocation, How::once, 1);  // in the master's thread, because this one is exempt
+  pollfd waiting{driver->descriptor(), POLLIN, 0};
+  REQUIRE(poll_for(std::span(&waiting, 1), for_ever) == 1);
+  CHECK(failing::disarm());
+  std::uint8_t byte = 0;
+  CHECK(driver->receive(std::span(&byte, 1)).status == Status::closed);
+  CHECK(driver->reason() == "out of memory");
+  driver.reset();
+  CHECK(open_files() == files);
 }

@@ -164,7 +164,7 @@ void Master::fail(const std::string& why) noexcept {
   try {
     why_ = why;
   } catch (const std::bad_alloc&) {
-    why_ = "no memory";  // short enough to need none
+    why_ = "out of memory";  // short enough to need none
   }
   port_->close();  // now, so that another master can open the port even if a link of this one is not closed yet
   for (const auto& [number, node] : nodes_) {
@@ -176,7 +176,7 @@ void Master::serve() noexcept {
   try {
     give_turns();
   } catch (const std::bad_alloc&) {
-    fail("no memory");
+    fail("out of memory");
   }
 }
 

@@ -31,7 +31,7 @@ void PumpedDriver::start(std::function<void()> pump) {
     try {
       pump();
     } catch (const std::bad_alloc&) {
-      ended("this program is out of memory");
+      ended("out of memory");  // short enough to need none
     } catch (const std::exception& error) {
       ended(error.what());
     }
