@@ -72,6 +72,7 @@ RUNS = [  # seed, window, generics
     (3, 8, {"byte_clocks": 40}),
     (4, 2, {"bus_waits": 3, "byte_clocks": 4}),
     (5, 8, {"fifo_words": 16, "stall_percent": 20}),
+    *(pytest.param(seed, (8, 2, 4)[seed % 3], {}, marks=pytest.mark.long) for seed in range(6, 36)),
 ]
 
 

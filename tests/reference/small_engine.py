@@ -66,10 +66,14 @@ class SmallEngine:
 
     def __post_init__(self) -> None:
         self.memory = memory_of(self.settings, self.program.names)
-        self.position = self.a = self.carry = self.x = self.crc = self.word = self.address = 0
+        self.a = self.carry = self.x = self.crc = self.word = self.address = self.answer = 0
         self.stack = [0, 0]
-        self.answer = self.come = self.free = self.sending = self.pieces = 0
         self.reply_start = self.program.names["reply"]
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset it as the signal does: the memory keeps what it has."""
+        self.position = self.come = self.free = self.sending = self.pieces = 0
         self.put_at = self.reply_start
         self.tripped = self.running = self.tripped_now = self.uncounted = False
         self.waiting = bytearray()
