@@ -81,6 +81,10 @@ def history(seed: int, settings: Settings) -> Iterator[bytes]:
     yield opening()
     sent = []
     posts, nonce = 0, 1
+    if seed % 4 == 3:  # the host has lost its board, so the dead-man has tripped
+        yield ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1 << 30, 4))
+        nonce += 1
+        yield opening(nonce)
     for number in range(60):
         kind = draw.choice((p.REQUEST_KIND_READ, p.REQUEST_KIND_WRITE, p.REQUEST_KIND_POST) * 3 + OTHERS)
         address = (draw.choice((0x10, 0x11, 0x20, 0x38, 0x39)), settings.a)
@@ -109,7 +113,7 @@ def history(seed: int, settings: Settings) -> Iterator[bytes]:
         elif fate < 0.2:
             wire = wire[: draw.randrange(len(wire))] + b"\0"
         elif fate < 0.4:
-            wire += draw.choice(sent)
+            wire += draw.choice(sent[-3:])
         if kind == p.REQUEST_KIND_CLOSE:  # the frames behind it belong to no session, or to the next one
             wire += sent[-1]
         if kind == p.REQUEST_KIND_CLOSE or draw.random() < 0.05:
@@ -268,4 +272,4 @@ def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> No
         except (AssertionError, IndexError):  # it hangs, or sends what is no reply
             return True
 
-    assert any(noticed(seed) for seed in range(48)) or damage_passes(program)
+    assert any(noticed(seed) for seed in range(24)) or damage_passes(program)
