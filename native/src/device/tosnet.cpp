@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::uint32_t bit(bool set, std::uint32_t position) noexcept { return (set ? 1u : 0u) << position; }
 
-// The destination of a word of the asynchronous channel, and its number of valid bytes, as in its status and control
-// registers.
+// Destination and number of valid bytes of an asynchronous word, in the form of the status and control registers.
 constexpr std::uint32_t place(const AsyncWord& word) noexcept {
   return static_cast<std::uint32_t>(word.last) << 4 | word.node;
 }
