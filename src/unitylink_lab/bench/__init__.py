@@ -87,7 +87,7 @@ def run(*, only: Sequence[str] = (), quick: bool = False, say: Callable[[str], N
             continue
         assert isinstance(figure, Figure)
         after = ProcessorTime.read()
-        if before and after:  # measured while the host ran others, a figure says little of the library
+        if before and after:  # a figure means little if the host ran other machines meanwhile
             figure = replace(
                 figure, details={**figure.details, "stolen by the host %": after.stolen_percent(since=before)}
             )

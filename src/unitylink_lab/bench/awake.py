@@ -24,7 +24,7 @@ while os.getppid() == int(sys.argv[2]):
 def processors_awake() -> Iterator[None]:
     """Keep every processor from sleeping: a process of the scheduling class `SCHED_IDLE` spins on each.
 
-    Such a process runs only where nobody else wants to, and gives way at once. Without it a round trip
+    Such a process runs only when no other wants to, and gives way at once. Without it a round trip
     contains the times in which a processor wakes up. In a virtual machine one takes 20 to 100 us, and more
     or less from one minute to the next.
     """

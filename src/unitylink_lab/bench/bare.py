@@ -20,7 +20,7 @@ from .timing import Comparison, in_turns, times
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-# link -> the call, and what the bare program is told to send
+# link -> the call, and the bytes for the bare program to send
 Side = Callable[["Link"], tuple[Callable[[], object], list[str]]]
 FramedSide = Callable[["Link"], Callable[[], object]]
 
@@ -66,7 +66,7 @@ def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide
 
 
 def _said(url: str, side: FramedSide) -> bytes:
-    """Return all that a link says until `side` has made its call, and that call once."""
+    """Return the bytes that a link sends from its beginning, with one call of `side` at the end."""
     from unitylink import connect
 
     with tempfile.TemporaryDirectory() as folder:

@@ -99,7 +99,7 @@ def _ideal_messages_per_s(
 ) -> float:
     """Play a sender with an oracle; `carried` tells of each transmission whether it and its answer arrive."""
     now_s, base, following = 0.0, 0, 0
-    answers: list[tuple[float, int, bool]] = []  # when it comes, or would
+    answers: list[tuple[float, int, bool]] = []  # when the answer comes, or would come
     missing: list[int] = []
     answered: set[int] = set()
     while base < messages:

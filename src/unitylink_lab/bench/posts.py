@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Posts: how much of a line's bytes they fill, on a twin behind a line of its own pace, over TCP."""
+"""Posts: the share of the line's bytes that they use, on a twin with a simulated line, over TCP."""
 
 from __future__ import annotations
 

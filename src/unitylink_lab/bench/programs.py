@@ -44,7 +44,7 @@ def native(checkout: Path, name: str) -> Path:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[Path]:
-    """Have `folder` for oneself: two runs at once must not make the same thing in it."""
+    """Lock `folder`, because two runs must not make the same thing in it at once."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -145,7 +145,7 @@ class Process:
         process = self._process
         for pipe in (process.stdin, process.stdout):
             if pipe is not None:
-                with suppress(BrokenPipeError):  # it is gone already, which is what is wanted
+                with suppress(BrokenPipeError):  # it has ended already, as wanted
                     pipe.close()
         try:
             process.wait(timeout=_END_S)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MESSAGE_BYTES = 21  # &PUB:ggnnxxxxxxxx*hh and the line feed
 PUBLISH_HEAD_BYTES = 7  # group, sequence, clock
-SELDOM = 1 << 30  # of the ticks: the twin behind the frames has nothing to publish by itself
+SELDOM = 1 << 30  # ticks between its own publishes: so many that the twin sends none
 DRAIN_S = 0.02
 RING = 1 << 16
 FLOOD_PER_SECOND = 1_000_000

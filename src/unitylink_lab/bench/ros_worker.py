@@ -29,7 +29,7 @@ from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
 BASE_HZ = {"ros1": 40_000, "dds": 200_000}  # more than the plane takes, on a busy machine too
-OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # nothing that was sent is given up
+OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # no message is dropped
 IN = Topic("in", "std_msgs/Int32", "scalar", ("in",))
 WORDS = """public bench() {
    @ros(type="Int32", queue=4096) @out = 0x0: i32 READ(PUBLISH(1,1));
@@ -110,7 +110,7 @@ def every(period_s: float, act: Callable[[], None]) -> None:
     def run() -> None:
         due = time.perf_counter()
         while True:
-            due = max(due + period_s, time.perf_counter() - 0.1)  # long gaps are not made up for
+            due = max(due + period_s, time.perf_counter() - 0.1)  # what a long gap missed is lost
             time.sleep(max(0.0, due - time.perf_counter()))
             act()
 

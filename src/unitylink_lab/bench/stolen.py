@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time that a virtual machine did not get: it could run, and its host ran others."""
+"""Stolen time: the virtual machine was ready to run, but its host ran others."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ class Comparison:
     ours_ns: float
     theirs_ns: float
     ratio: float  # ours / theirs, of the same round
-    low: float  # the quartiles of that ratio: how far the machine let the rounds differ
+    low: float  # the quartiles of that ratio, which show how much the rounds differ
     high: float
 
     def told_us(self, ours: str, theirs: str) -> dict[str, float]:

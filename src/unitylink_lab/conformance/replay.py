@@ -56,7 +56,7 @@ class Report:
 
 
 def replay(path: str | Path, player: Player = play_on_twin) -> Report:
-    """Replay every run of the recordings in `path` from reset and return how the device of `player` did.
+    """Replay every run of the recordings in `path` from reset, and return the results of `player`.
 
     Raises RecordingError when the file cannot be read or is not a set of recordings.
     """

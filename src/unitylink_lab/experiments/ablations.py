@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Suspected causes of differences from the paper, as changes of the model. A true cause moves its cell.
+"""Suspected causes of differences from the paper, as changes of the model. A true cause changes its cell.
 
 A change is made to the whole model, so that it also shows which other cells it makes worse.
 """

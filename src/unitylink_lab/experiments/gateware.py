@@ -19,12 +19,12 @@ CLOCK_HZ = 50_000_000
 BASE_HZ = 961  # of publishing: every publish at another place within a microframe
 FIFO_LATENCY = 2  # clocks through the FIFO of each way
 _LARGE = 1 << 16  # bytes: what fifo 0 means
-_IN_FLIGHT_CLOCKS = 16  # from the word a byte comes of
+_IN_FLIGHT_CLOCKS = 16  # from a word to its first byte
 _QUIET_CLOCKS = (
     2500  # longer than any answer of ours takes to begin, or pauses: a list of 60 words takes 1700
 )
 _LOOK_CLOCKS = 20  # how late the first byte of a publish may be seen
-_START_UP_CLOCKS = 1000  # tables are cleared behind a reset
+_START_UP_CLOCKS = 1000  # after a reset its tables are cleared
 _OPENING_CLOCKS, _OPENING_STEPS = 20_000, 100
 
 
