@@ -181,6 +181,50 @@ def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any) -> None:
     assert 2 * TICK <= tripped[0] - last <= 3 * TICK + 1000
 
 
+def test_an_overrun_of_the_line_is_counted(rtl: Any) -> None:
+    ask_them = [
+        ask(p.REQUEST_KIND_READ_CONTROL, (n, 2), (p.CONTROL_RECEIVE_OVERRUNS, 2), (1, 1)) for n in range(2)
+    ]
+    steps = [opening(), ("rx_error", 4), ask_them[0], ("rx_error", 3), ("rx_error", 4), ask_them[1]]
+    answers = play(rtl, small_settings(), steps)
+    told = [int.from_bytes(frames_of(answers[n])[0].payload[4:], "big") for n in (2, 5)]
+    assert told == [1, 2], "parity and framing are no overruns"
+
+
+def test_a_session_that_is_taken_over_trips_the_dead_man(rtl: Any) -> None:
+    ticks = ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1 << 30, 4))
+    state = ask(p.REQUEST_KIND_READ_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (2, 1))
+    *_, told = play(rtl, small_settings(safe=SAFE), [opening(), ticks, opening(2), state])
+    assert [frame.payload[4:].hex() for frame in frames_of(told)] == ["00000000" + "00000001"]
+    assert [address for kind, _, address in rtl.times if kind == "u"] == [address for address, _ in SAFE]
+
+
+def test_what_the_bus_refuses_or_does_not_answer_is_told(rtl: Any) -> None:
+    """Each is executed once: a repeat gets the kept answer, and the bus is not asked again."""
+    error, silent = (BAD, 2), (BAD + 4, 2)
+    requests = [
+        ask(p.REQUEST_KIND_READ, (0, 2), error),
+        ask(p.REQUEST_KIND_READ, (1, 2), silent),
+        ask(p.REQUEST_KIND_WRITE, (2, 2), error, (7, 4)),
+        ask(p.REQUEST_KIND_WRITE, (3, 2), silent, (7, 4)),
+    ]
+    posts = [
+        ask(p.REQUEST_KIND_POST, (0, 2), silent, (7, 4)),
+        ask(p.REQUEST_KIND_POST, (1, 2), error, (7, 4)),
+    ]
+    sync = ask(p.REQUEST_KIND_SYNC, (4, 2))
+    counters = ask(p.REQUEST_KIND_READ_CONTROL, (5, 2), (p.CONTROL_POST_ERRORS, 2), (3, 1))
+    steps = [opening(), b"".join(requests), b"".join(requests), b"".join(posts) + sync + counters]
+    _, told, again, behind = play(rtl, small_settings(), steps)
+    expected = [p.REPLY_STATUS_BUS_ERROR, p.REPLY_STATUS_BUS_TIMEOUT] * 2
+    for answer in (told, again):
+        assert [frame.kind - p.DEVICE_KIND_REPLY for frame in frames_of(answer)] == expected
+    synced, counted = [frame.payload[4:].hex() for frame in frames_of(behind)]
+    assert synced == field((2, 2), (2, 2), (0, 2), (p.REPLY_STATUS_BUS_TIMEOUT, 1)).hex()
+    assert counted == field((2, 4), (3, 4), (3, 4)).hex(), "failed posts, errors, timeouts"
+    assert len([1 for kind, _, _ in rtl.times if kind == "t"]) == 6
+
+
 def test_what_a_trip_catches_is_told_as_it_went(rtl: Any) -> None:
     """At whatever clock it trips: what the replies say was written, was, and then come the safe values."""
     tick, places = 1500, range(0x40, 0x43)  # two posts and a WRITE
