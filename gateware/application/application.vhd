@@ -21,6 +21,7 @@ library ieee;
 
 use work.application_pkg.all;
 use work.bii_pkg.all;
+use work.bit_pkg.all;
 use work.datalink_pkg.all;
 use work.instruction_pkg.all;
 use work.program_pkg.all;
@@ -112,14 +113,6 @@ architecture rtl of application is
   signal bad_read_many, bad_size, bad_group : std_ulogic := '0';
 
   alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);
-
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
   -- Whether a byte is more than a constant. A tree of gates is faster than a subtraction.
   function above(value : byte_t; limit : natural) return std_ulogic is

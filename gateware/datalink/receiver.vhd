@@ -18,6 +18,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.datalink_pkg.all;
 use work.protocol_pkg.all;
 
@@ -65,14 +66,6 @@ architecture rtl of receiver is
   signal keeps     : std_ulogic;                     -- the character makes an entry
   signal fails     : std_ulogic;                     -- the message fails with `code`
   signal code      : std_ulogic_vector(3 downto 0);  -- the low digit of the error code
-
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
 begin
 

@@ -10,6 +10,7 @@ library ieee;
 
 use work.application_pkg.all;
 use work.bii_pkg.all;
+use work.bit_pkg.all;
 use work.datalink_pkg.all;
 use work.protocol_pkg.all;
 use work.subscription_pkg.all;
@@ -57,14 +58,6 @@ architecture properties of application_formal is
   signal steps     : natural range 0 to steps_most + 1 := 0;
 
   signal reads, writes, reads_many, tells, known : std_ulogic;  -- kind of the request in hand
-
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
 begin
 

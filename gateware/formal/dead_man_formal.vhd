@@ -9,6 +9,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.bit_pkg.all;
 use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 
@@ -61,14 +62,6 @@ architecture properties of dead_man_formal is
   signal answers  : std_ulogic_vector(values'range) := "00";    -- safe writes answered
   signal behind   : natural range 0 to written_most := 0;       -- clocks since the trip
   signal heard    : natural range 0 to heard_most := 0;         -- clocks since the trip, or an unanswered safe write
-
-  function to_bit(what : boolean) return std_ulogic is
-  begin
-    if what then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
 begin
 

@@ -15,6 +15,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.bit_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
@@ -117,14 +118,6 @@ architecture properties of frame_application_formal is
   signal id_before : std_ulogic_vector(15 downto 0) := (others => '0');
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
   signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
-
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
   -- GHDL 2.0 accepts only a limited number of terms in PSL, so the others are VHDL.
   function holds(what : boolean) return boolean is

@@ -21,6 +21,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.bit_pkg.all;
 use work.dead_man_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
@@ -67,6 +68,7 @@ architecture rtl of frame_application is
   constant groups     : natural  := settings.groups;
   constant lists      : boolean  := settings.lists;
   constant deadman    : boolean  := settings.deadman;
+
   constant program       : frame_program_t := frame_program_for(settings);
   constant content       : word_memory_t   := memory_content(settings);
   constant address_bits  : positive        := 8 * settings.address_bytes;
@@ -98,6 +100,7 @@ architecture rtl of frame_application is
 
   signal word_index : pointer_t;
   signal word       : word32_t;
+
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
   signal kept_count              : unsigned(4 downto 0);
@@ -105,18 +108,11 @@ architecture rtl of frame_application is
 
   signal time_now : unsigned(31 downto 0);
   signal half, look, turned, publish : std_ulogic;
+
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` is rotated up by a byte
   signal distance : unsigned(15 downto 0);         -- from the lower half of the word to the lower half of `data`
   signal reads, writes, holds_bus, found, access_done, failed, silent_bus, denied_write : std_ulogic;
-
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
 
 begin
 
