@@ -7,12 +7,13 @@
 --   rx --> core <--> interconnect <--> slaves <-- read_words    what the PC reads
 --   tx <-- core                        slaves --> write_words   what the PC wrote
 --
--- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer (physical_pkg).
+-- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer
+--           (physical_pkg).
 --           tx_last: with the last byte of a message; tx_publish: with the bytes of a publish.
 --           events: a line a publish group. All synchronous to the clock, reset too.
 --           tripped: the dead-man has made the outputs safe; high until the PC arms it, or a reset (dead_man.vhd).
---           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in write_words
---           of those it writes. written(i) is high in the first clock of a new word i.
+--           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in
+--           write_words of those it writes. written(i) is high in the first clock of a new word i.
 -- Addresses Where the spec has no word, a read or write ends with a bus error.
 -- Latency, errors, pressure: see core.vhd.
 
@@ -96,8 +97,10 @@ begin
         master_id        => 1,
         master_registers => x"FF",
         nodes            => (0 => (id => 2, registers => x"07")),
-        read_addresses   => (0 => 16#080#, 1 => 16#081#, 2 => 16#082#, 3 => 16#083#, 4 => 16#088#, 5 => 16#089#, 6 => 16#08A#, 7 => 16#08B#),
-        write_addresses  => (0 => 16#08C#, 1 => 16#08D#, 2 => 16#08E#, 3 => 16#08F#, 4 => 16#094#, 5 => 16#095#, 6 => 16#096#, 7 => 16#097#),
+        read_addresses   => (0 => 16#080#, 1 => 16#081#, 2 => 16#082#, 3 => 16#083#, 4 => 16#088#, 5 => 16#089#,
+            6 => 16#08A#, 7 => 16#08B#),
+        write_addresses  => (0 => 16#08C#, 1 => 16#08D#, 2 => 16#08E#, 3 => 16#08F#, 4 => 16#094#, 5 => 16#095#,
+            6 => 16#096#, 7 => 16#097#),
         cycle_clocks     => maximum(1, clock_hz / 10000),
         whole_memory     => false, -- the words of the spec only
         async_depth      => 0, -- nobody is there to listen

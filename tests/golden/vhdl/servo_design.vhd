@@ -7,12 +7,13 @@
 --   rx --> core <--> interconnect <--> slaves <-- read_words    what the PC reads
 --   tx <-- core                        slaves --> write_words   what the PC wrote
 --
--- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer (physical_pkg).
+-- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer
+--           (physical_pkg).
 --           tx_last: with the last byte of a message; tx_publish: with the bytes of a publish.
 --           events: a line a publish group. All synchronous to the clock, reset too.
 --           tripped: the dead-man has made the outputs safe; high until the PC arms it, or a reset (dead_man.vhd).
---           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in write_words
---           of those it writes. written(i) is high in the first clock of a new word i.
+--           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in
+--           write_words of those it writes. written(i) is high in the first clock of a new word i.
 -- Addresses Where the spec has no word, a read or write ends with a bus error.
 -- Latency, errors, pressure: see core.vhd.
 

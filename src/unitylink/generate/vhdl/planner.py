@@ -418,9 +418,9 @@ def _offsets(addresses: Iterable[int], base: int) -> list[Vhdl]:
 
 
 def _aggregate(values: list[Vhdl], none: Vhdl) -> Vhdl:
-    """Return an aggregate, eight values a line where they are many."""
+    """Return an aggregate, six values a line where they are many."""
     named = [Vhdl.of("{} => {}", number, value) for number, value in enumerate(values)]
-    rows = [Vhdl(", ").join(named[start : start + 8]) for start in range(0, len(named), 8)]
+    rows = [Vhdl(", ").join(named[start : start + 6]) for start in range(0, len(named), 6)]
     return Vhdl.of("({})", Vhdl(",\n            ").join(rows)) if rows else none
 
 
