@@ -1,34 +1,47 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
-#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself, CLASSIC=1 without frames
+#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself,
+#                CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
-#   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
-#   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests these only)
+#   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your
+#                own
+#   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests
+#                these only)
 #   make develop  what single tests and checks need: pytest and its company, the native tests, Debian packages
 #   make check   lint, format, types, C++ warnings as errors, the import rule
 #   make format  formats Python, C++ and pages as `make check` wants it
-#   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these only)
-#   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner; ONLY=peers: this part)
+#   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these
+#                only)
+#   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html
+#                (QUICK=1: sooner; ONLY=peers: this part)
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
-#   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record gateware/coverage.json (BENCHES=gpio: only these, and no record)
-#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them; ROWS="core lite": these only)
-#   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only; STALE=1: those whose sources have changed)
+#   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record
+#                gateware/coverage.json (BENCHES=gpio: only these, and no record)
+#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them;
+#                ROWS="core lite": these only)
+#   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these
+#                only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
-#   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings), and of the histories of
-#                programs that get killed (SECONDS=7200 MESSAGES=4000000: so many of their messages)
-#   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads (KINDS=thread: with this one)
-#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
+#   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile
+#                strings), and of the histories of programs that get killed (SECONDS=7200 MESSAGES=4000000: so many of
+#                their messages)
+#   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads (KINDS=thread:
+#                with this one)
+#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is
+#                SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
-#   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a build of the sdist (TESTS=tests/ros: of these)
+#   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a
+#                build of the sdist (TESTS=tests/ros: of these)
 #   make unit    the Python tests that need no board process, in about a minute
 #   make native-tests   the C++ tests alone
 #   make clean   removes build/ and .venv/
-#   make fresh   runs each target of this list in its short form, each in a new clone with an empty home and empty caches (TARGETS="bench soak": these only;
-#                DOWNLOADS=FOLDER: keep pip's there, so fetching them is not tried again; DEBIAN=1: as root, each on a bare Debian, with apt-get)
+#   make fresh   runs each target of this list in its short form, each in a new clone with an empty home and empty
+#                caches (TARGETS="bench soak": these only; DOWNLOADS=FOLDER: keep pip's there, so fetching them is not
+#                tried again; DEBIAN=1: as root, each on a bare Debian, with apt-get)
 SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
@@ -41,7 +54,9 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format \
+	long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh \
+	help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -54,7 +69,8 @@ else
 	$(BIN)/python examples/scara/run.py $(if $(CLASSIC),--classic) --picture build/scara.png
 endif
 
-	@printf '\n%s\n' "Next: source $(BIN)/activate, and README.md. Recordings, plots, the terminal and editors need more packages: make extras"
+	@printf '\n%s %s\n' "Next: source $(BIN)/activate, and README.md." \
+	  "Recordings, plots, the terminal and editors need more packages: make extras"
 
 extras: $(VENV)/.built
 	@tools/setup.sh group all
@@ -149,13 +165,15 @@ docs: $(VENV)/.built
 fuzz: $(VENV)/.built
 	@tools/setup.sh rtl
 	@tools/setup.sh sanitized address,undefined
-	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
+	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do \
+	  $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
 	UNITYLINK_FAIL_EACH=1 $(SANITIZED)-address,undefined/unitylink_tests -tc="the n-th*,the clock jumps*"
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/hostile/fuzz_inputs.py --seconds $(SECONDS)
-	$(BIN)/python tests/apart/histories.py --board $(SANITIZED)-address,undefined/journal_board --seconds $(SECONDS) --messages $(MESSAGES)
+	$(BIN)/python tests/apart/histories.py --board $(SANITIZED)-address,undefined/journal_board \
+	  --seconds $(SECONDS) --messages $(MESSAGES)
 	$(BIN)/python tests/gateware/fuzz_rtl_faults.py --seconds $(SECONDS)
 
 sanitize: $(VENV)/.built
@@ -201,7 +219,8 @@ $(NATIVE)/.built: $(NATIVE_SOURCES) $(wildcard bench/native/*) $(VENV)/.built
 	@tools/setup.sh native
 
 fresh:
-	@$(or $(PYTHON),python3) tools/fresh/every_target.py $(if $(DOWNLOADS),--downloads '$(DOWNLOADS)') $(if $(DEBIAN),--debian) $(TARGETS)
+	@$(or $(PYTHON),python3) tools/fresh/every_target.py $(if $(DOWNLOADS),--downloads '$(DOWNLOADS)') \
+	  $(if $(DEBIAN),--debian) $(TARGETS)
 
 clean:
 	rm -rf build $(VENV)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What can be said without running the code: lint, format, types, stale generated files, the import rule (`check.sh sources`), C++ warnings as
-# errors (`check.sh native`); without a word all of it.
+# What can be said without running the code: lint, format, types, stale generated files, the import rule
+# (`check.sh sources`), C++ warnings as errors (`check.sh native`); without a word all of it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=.venv/bin

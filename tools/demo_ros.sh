@@ -7,12 +7,15 @@ checkout=$PWD bin=$PWD/.venv/bin work=$PWD/build/ros-demo
 running=()
 end() { for process in "${running[@]}"; do kill -TERM "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; }
 trap end EXIT
-free_port() { "$bin/python" -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
+free_port() {
+  "$bin/python" -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
 bold='' plain=''
 if [ -t 1 ]; then bold=$'\033[1m' plain=$'\033[0m'; fi
 show() { printf '\n%s$ %s%s\n' "$bold" "$*" "$plain"; }
-await() { for _ in $(seq 100); do "$@" >/dev/null 2>&1 && return; sleep 0.2; done; echo "waited in vain for: $*" >&2; cat "$work"/*.log >&2; exit 1; }
-first() { timeout -k 10 60 rostopic echo -n 1 "$1" || { echo "nothing comes on $1" >&2; cat "$work"/*.log >&2; exit 1; }; }
+fail() { echo "$1" >&2; cat "$work"/*.log >&2; exit 1; }
+await() { for _ in $(seq 100); do "$@" >/dev/null 2>&1 && return; sleep 0.2; done; fail "waited in vain for: $*"; }
+first() { timeout -k 10 60 rostopic echo -n 1 "$1" || fail "nothing comes on $1"; }
 
 mkdir -p "$work"
 cd "$work"
@@ -30,7 +33,8 @@ set +eu; . devel/setup.bash; set -eu
 rosmaster --core -p "${ROS_MASTER_URI##*:}" > master.log 2>&1 & running+=($!)
 port=$(free_port)
 show "unitylink simulate scara.ul --plant scara --tcp $port"
-"$bin/unitylink" simulate "$checkout/examples/scara/scara.ul" --plant scara --tcp "$port" > board.log 2>&1 & running+=($!)
+"$bin/unitylink" simulate "$checkout/examples/scara/scara.ul" --plant scara --tcp "$port" > board.log 2>&1 &
+running+=($!)
 await grep -q serving board.log
 await rostopic list
 show "roslaunch scara_unitylink scara.launch link:=tcp://127.0.0.1:$port"

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Writes tools/locks/: for each dependency group of pyproject.toml, which versions are installed, each with its hashes. Run it after a change of
-# a group, or to take newer versions; then `make test`.
+# Writes tools/locks/: for each dependency group of pyproject.toml, which versions are installed, each with its hashes.
+# Run it after a change of a group, or to take newer versions; then `make test`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 locks=tools/locks uv=build/lock/bin/uv
 [ -x "$uv" ] || { python3 -m venv build/lock && build/lock/bin/pip --quiet --quiet install uv==0.13.9; }
 every=build/lock/every.txt                # one version of each package for all groups, which share an environment
-compile() { "$uv" pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-annotate --no-header "$@"; }
+compile() {
+  "$uv" pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-annotate --no-header "$@"
+}
 
 groups=(demo boards docs wheel test)
 compile pyproject.toml --extra all --group build $(printf -- '--group %s ' "${groups[@]}") --upgrade -o "$every"

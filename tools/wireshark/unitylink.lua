@@ -1,9 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- Wireshark dissector of the two Unity-Link protocols, lines and frames, for captures made with ?trace=FILE and for TCP streams of it.
+-- Wireshark dissector of the two Unity-Link protocols, lines and frames, for captures made with ?trace=FILE and for TCP
+-- streams of it.
 --   install   copy this file into the folder that Help > About > Folders names as "Personal Lua Plugins"
 --   once      tshark -X lua_script:unitylink.lua -r arm.pcapng
--- On TCP: Analyze > Decode As > TCP port > UNITYLINK. A capture straight from ?trace has a transfer a packet; messages over several
--- packets are put together by `unitylink decode FILE --pcapng OUT`, which also gives each its meaning as a packet comment.
+-- On TCP: Analyze > Decode As > TCP port > UNITYLINK. A capture straight from ?trace has a transfer a packet; messages
+-- over several packets are put together by `unitylink decode FILE --pcapng OUT`, which also gives each its meaning as a
+-- packet comment.
 
 local unitylink = Proto("unitylink", "Unity-Link")
 local fields = {
@@ -26,7 +28,8 @@ local fields = {
 unitylink.fields = fields
 
 local heads = {
-  ["#"] = "plain", ["$"] = "with checksum", ["%"] = "publish", ["&"] = "publish with checksum", ["?"] = "error", ["!"] = "fence",
+  ["#"] = "plain", ["$"] = "with checksum", ["%"] = "publish", ["&"] = "publish with checksum",
+  ["?"] = "error", ["!"] = "fence",
 }
 
 -- One line, at `first` in `buffer`, shown under `tree`; returns what the info column says.
@@ -62,12 +65,13 @@ end
 -- ---- frames: kind | COBS(payload) | check | 00
 
 local requests = {
-  [0] = "HELLO", "OPEN", "READ", "WRITE", "POST", "LIST", "POST_LIST", "EXCHANGE", "READ_CONTROL", "WRITE_CONTROL", "DEFINE_GROUP",
-  "DEFINE_EXCHANGE", "SYNC", "CLOSE",
+  [0] = "HELLO", "OPEN", "READ", "WRITE", "POST", "LIST", "POST_LIST", "EXCHANGE", "READ_CONTROL", "WRITE_CONTROL",
+  "DEFINE_GROUP", "DEFINE_EXCHANGE", "SYNC", "CLOSE",
 }
 local answers = { [0xD0] = "HELLO", [0xD1] = "OPEN", [0xD2] = "PUBLISH", [0xD3] = "CLOSED" }
 local statuses = {
-  [0] = "ok", "bus_error", "bus_timeout", "bad_address", "denied", "busy", "invalid", "too_long", "order", "behind", "no_group",
+  [0] = "ok", "bus_error", "bus_timeout", "bad_address", "denied", "busy", "invalid", "too_long", "order", "behind",
+  "no_group",
 }
 
 -- What COBS has made of a payload, without its check; nil when it cannot have.
@@ -100,7 +104,8 @@ local function dissect_frame(buffer, first, length, tree)
   local range = buffer(first, length)
   local between = range:raw():gsub("%z+$", "")
   local kind = between:byte(1)
-  local payload = decoded(between:sub(2, #between - (#between > 259 and 5 or 3))) or decoded(between:sub(2, #between - 5))
+  local payload = decoded(between:sub(2, #between - (#between > 259 and 5 or 3)))
+    or decoded(between:sub(2, #between - 5))
   local branch = tree:add(fields.message, range, "frame")
   local name, shown
   if kind < 0xC0 then

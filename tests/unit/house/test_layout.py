@@ -11,7 +11,8 @@ import pytest
 from unit.house.files import files, text
 
 COLUMNS = 120  # as in .clang-format and .mdformat.toml; ruff keeps Python at 110
-KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".md")
+KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".sh", ".lua", ".md")
+NAMES = ("Makefile", "CMakeLists.txt")
 MADE = ("tests/golden/",)  # by `unitylink generate`: a name or a text of a spec may have any length
 
 PRAGMA = re.compile(r"  # (type: ignore|noqa).*$")  # ruff does not count it either
@@ -43,7 +44,7 @@ def faults(file: PurePosixPath, content: str) -> Iterator[str]:
     for number, (line, can_be_broken) in enumerate(lines, 1):
         if can_be_broken and len(PRAGMA.sub("", line)) > COLUMNS:
             yield f"{file}:{number}: {len(line)} columns, more than {COLUMNS}"
-        if "\t" in line:
+        if "\t" in line.removeprefix("\t" if file.name == "Makefile" else ""):
             yield f"{file}:{number}: a tab"
         if line != line.rstrip():
             yield f"{file}:{number}: blanks at the end"
@@ -59,8 +60,12 @@ def faults(file: PurePosixPath, content: str) -> Iterator[str]:
 
 
 def test_every_source_is_laid_out() -> None:
-    sources = [file for file in files(KINDS) if not str(file).startswith(MADE)]
-    assert {file.suffix for file in sources} == set(KINDS)
+    sources = [
+        file
+        for file in files()
+        if (file.suffix in KINDS or file.name in NAMES) and not str(file).startswith(MADE)
+    ]
+    assert {file.suffix or file.name for file in sources} >= {*KINDS, "Makefile"}
     found = [fault for file in sources for fault in faults(file, text(file))]
     assert not found, "\n".join(found)
 
