@@ -15,12 +15,14 @@ from reference.bus import Bus
 from reference.device import ReferenceDevice
 from reference.framing import Frame, field
 from reference.host import EPOCH, ask, frames_of, opening, without_clock
+from reference.line import Line
 from reference.scenario import Scenario
 from reference.settings import Settings
 from reference.small_engine import SmallEngine, small_settings
 
 from unitylink import protocol as p
 from unitylink.gateware import gateware_folder
+from unitylink.layer2_message import Link
 
 SOURCE = gateware_folder() / "small" / "program.asm"
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
@@ -273,3 +275,26 @@ def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> No
             return True
 
     assert any(noticed(seed) for seed in range(24)) or damage_passes(program)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_host_works_with_it_on_a_bad_line(assembler: Any, seed: int) -> None:
+    """Whatever is lost, damaged, cut or doubled: each write reaches the bus once, and in order."""
+    line = Line(seed)
+    line.rate, line.reset_rate = 0.05, 0.0
+    program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
+    engine = SmallEngine(program, small_settings())
+    line.device = engine  # type: ignore[assignment]  # it has `feed`, too
+    with Link(line.url) as link:
+        for number in range(12):
+            link.write(0x20, number)
+            assert link.read(0x20) == number
+            link.post_many([0x21, 0x22], [number, 100 + number])
+        link.write_many(range(0x30, 0x40), range(16))
+        link.sync()
+        assert link.read_many([*range(0x30, 0x40), 0x21, 0x22]).tolist() == [*range(16), 11, 111]
+    written = [(address, value) for kind, address, value in engine.bus.log if kind == "write"]
+    assert [value for address, value in written if address == 0x20] == list(range(12))
+    posted = [(address, value) for address, value in written if address in (0x21, 0x22)]
+    assert posted == [word for n in range(12) for word in ((0x21, n), (0x22, 100 + n))]
+    assert sorted(word for word in written if word[0] >= 0x30) == [(0x30 + n, n) for n in range(16)]
