@@ -33,7 +33,8 @@ use work.small_program_pkg.all;
 
 entity framed_small is
   generic (
-    settings : settings_t := core_settings  -- docs/settings.md
+    settings : settings_t := core_settings(  -- docs/settings.md
+      protocol => protocol_framed, publish_mode => 0, lists => false, exchanges => 0, window => 8)
   );
   port (
     clock             : in  std_ulogic;

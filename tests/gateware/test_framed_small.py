@@ -34,6 +34,10 @@ def test_bench(ghdl: Any, bench: str) -> None:
     ghdl.run(bench)
 
 
+def test_what_is_synthesised_does_the_same(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("framed_small", tmp_path)
+
+
 @pytest.mark.parametrize(
     ("generics", "message"),
     [
