@@ -32,7 +32,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "core.md"
 
 def test_the_page_has_these_figures() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    table = text[text.index("| | this core | goal |") :].split("\n\n")[0]
+    table = text[text.index("| this core | goal |") :].split("\n\n")[0]
     assert [row.split("|")[2].strip() for row in table.splitlines()[2:]] == [
         str(READ_LAST_IN_TO_FIRST_OUT),
         str(READ_LAST_IN_TO_LAST_OUT),
