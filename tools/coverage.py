@@ -43,14 +43,16 @@ def designs() -> set[Path]:
     return {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")}
 
 
-def run_benches(only: list[str]) -> None:
+def run_benches(only: list[str]) -> bool:
+    """Run the benches, all without `only`. Return whether all of them passed."""
     subprocess.run(["rm", "-rf", str(COUNTS)], check=True)
     chosen = f"({' or '.join(only)}) and " if only else ""
     options = ["-q", "-n", "2", "-k", f"{chosen}not netlist and not synthesis"]
     tests = ROOT / "tests" / "gateware"
     files = [str(path) for path in sorted(tests.glob("test_*.py")) if _RUNS_A_BENCH.search(path.read_text())]
     command = [sys.executable, "-m", "pytest", *files, *options]
-    subprocess.run(command, check=True, env={**os.environ, "UNITYLINK_COVERAGE": str(COUNTS)})
+    counting = {**os.environ, "UNITYLINK_COVERAGE": str(COUNTS)}
+    return subprocess.run(command, check=False, env=counting).returncode == 0
 
 
 def executed() -> dict[Path, dict[int, int]]:
@@ -85,8 +87,9 @@ def main(arguments: list[str]) -> int:
     if arguments not in ([], ["--report"]) and not benches:
         print(__doc__, file=sys.stderr)
         return 2
-    if arguments != ["--report"]:
-        run_benches(benches)
+    if arguments != ["--report"] and not run_benches(benches):
+        print(f"a bench failed (see above), so {RECORD.name} stays as it was; mend it and run this again")
+        return 1
     total = executed()
     absent = designs() - set(total)
     lines = reached = 0

@@ -38,3 +38,16 @@ def test_a_statement_that_changes_makes_the_record_stale(
         coverage, "plain_text", lambda path: text(path) + (" " if path.name == "fifo.vhd" else "")
     )
     assert coverage.digest() != now
+
+
+def test_a_bench_that_fails_leaves_the_record(
+    coverage: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = tmp_path / "coverage.json"
+    record.write_text("{}")
+    monkeypatch.setattr(coverage, "RECORD", record)
+    monkeypatch.setattr(coverage, "COUNTS", tmp_path / "counts")
+    monkeypatch.setattr(coverage.sys, "executable", "false")  # in place of pytest with a failed test
+    assert coverage.main([]) == 1
+    assert "a bench failed (see above), so coverage.json stays as it was" in capsys.readouterr().out
+    assert record.read_text() == "{}"
