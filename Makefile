@@ -20,7 +20,7 @@
 #   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record
 #                gateware/coverage.json (BENCHES=gpio: only these, and no record)
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them;
-#                ROWS="core lite": these only)
+#                ROWS="core lite": these only; CHANGED=1: those whose netlist has changed)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these
 #                only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
@@ -140,7 +140,7 @@ coverage: $(VENV)/.built
 synth: $(VENV)/.built
 	@tools/setup.sh group boards
 	@tools/setup.sh boards
-	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(ROWS),--rows $(ROWS))
+	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(CHANGED),--changed) $(if $(ROWS),--rows $(ROWS))
 
 formal: $(VENV)/.built
 	@tools/setup.sh formal

@@ -143,7 +143,7 @@ SETTINGS: Final = MappingProxyType(
             "width of a group's divisor",
             least=1, most=4, told=True, option="rate_bytes"),
         "read_many": Setting(
-            "read_many", "count", 255, "words", ("core", "twin"), ("url", "python"),
+            "read_many", "count", 255, "words", ("core", "twin"), ("spec", "url", "python"),
             "most words of a classic read-many; 0: there is no such command",
             least=0, most=255, told=True, option="read_many"),
         "publish_mode": Setting(

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.boards.memories import memories_of
+
 from .conftest import PATIENCE_S, ROOT
 
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```", re.M | re.S)
@@ -87,6 +89,8 @@ def _is_a_bitstream(folder: Path) -> None:
     bitstream = (folder / "hello_led-icebreaker.bin").read_bytes()
     assert 0x7EAA997E.to_bytes(4, "big") in bitstream[:256] and len(bitstream) > 100_000
     cells = {area["what"]: area for area in report["area"]}
+    memories = memories_of((folder / "design.v").read_text("utf-8"), report["top"])
+    assert cells["block RAM"]["used"] == sum(memory.block_rams for memory in memories)
     assert 1000 < cells["logic cells"]["used"] <= cells["logic cells"]["available"] == 5280
     assert report["fmax_hz"] >= report["clock_hz"] == 12_000_000
     assert report["url"] == "serial:/dev/ttyUSB1?baud=1000000"

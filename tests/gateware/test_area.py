@@ -33,8 +33,11 @@ def grown(flow: Any, row: Any, recorded: dict[str, Any]) -> list[str]:
     """Return what yosys counts more of than the record has, of a row whose gateware has changed since."""
     if recorded.get("digest") == flow.digest(row):
         return []
+    verilog = flow.verilog_of(row)
+    if recorded.get("netlist") == flow.netlist_digest(verilog):
+        return []
     chip = row.chips[0]
-    mapped = flow.map_cells(flow.verilog_of(row), flow.top_of(row), flow.CHIPS[chip])
+    mapped = flow.map_cells(verilog, flow.top_of(row), flow.CHIPS[chip])
     counts = {"luts": mapped.luts, "flip_flops": mapped.flip_flops}
     return [
         f"{row.name}: {count} {what} instead of {recorded[chip][what]}"

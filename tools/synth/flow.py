@@ -20,7 +20,9 @@ from table import SMALL, Row
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources, plain_text
 from unitylink.gateware.netlist import netlist
+from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.vhdl.settings import core_settings
+from unitylink.spec import load
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS_MOST = 600
@@ -127,11 +129,14 @@ def verilog_of(row: Row) -> str:
     if not row.example:
         return netlist(row.top, assertions=False)
     with tempfile.TemporaryDirectory() as folder:
-        spec = ROOT / "examples" / row.example / f"{row.example}.ul"
-        generate = ["generate", str(spec), "--only", "vhdl", "--protocol", row.protocol, "--out", folder]
-        call(sys.executable, "-m", "unitylink", *generate)
-        sources = sorted(Path(folder).rglob("*.vhd"))
-        return netlist(row.top, sources=sources, assertions=False)
+        return netlist(row.top, sources=design_of(row, Path(folder)), assertions=False)
+
+
+def design_of(row: Row, folder: Path) -> list[Path]:
+    """Write the design of the row's example to `folder`; return its VHDL files."""
+    spec = load(str(ROOT / "examples" / row.example / f"{row.example}.ul"))
+    write_files(planned_files(SpecPlan(spec, {"protocol": row.protocol}), ["vhdl"]), folder)
+    return sorted(folder.rglob("*.vhd"))
 
 
 def top_of(row: Row) -> str:
@@ -149,12 +154,36 @@ def core_netlist(settings: Mapping[str, int | str | bool], engine: str = "fast")
 
 def digest(row: Row) -> str:
     """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
-    design = f"{row.example} {row.protocol}" if row.example else row.engine.replace("fast", "")
-    said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), design)).encode())
-    spec = ROOT / "examples" / row.example / f"{row.example}.ul"
-    paths = needed_sources("core" if row.example else row.top, gateware_sources())
-    for text in (*map(plain_text, paths), spec.read_text(encoding="utf-8") if row.example else ""):
-        said.update(text.encode() + b"\0")
+    engine = "" if row.example or row.engine == "fast" else row.engine
+    said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), engine)).encode())
+    with tempfile.TemporaryDirectory() as folder:
+        design = design_of(row, Path(folder)) if row.example else []
+        for path in (*needed_sources("core" if row.example else row.top, gateware_sources()), *design):
+            said.update(plain_text(path).encode() + b"\0")
+    return said.hexdigest()[:16]
+
+
+def netlist_digest(verilog: str) -> str:
+    """Return 16 hex digits over a netlist. The names that GHDL makes do not count: those of nets, and what it
+    puts behind an entity for its generics.
+
+    The same netlist is mapped and placed alike, so a row with the same digest keeps its figures.
+
+    >>> netlist_digest("assign n12 = n7 & n12;") == netlist_digest("assign n3 = n1 & n3;")
+    True
+    >>> netlist_digest("assign n12 = n7 & n12;") == netlist_digest("assign n3 = n1 & n1;")
+    False
+    """
+    said = hashlib.sha256()
+    verilog = re.sub(r"/\*.*?\*/|//.*", "", verilog)  # places in the sources
+    modules = {
+        name: f"module{n}" for n, name in enumerate(re.findall(r"^module (\w+)", verilog, re.MULTILINE))
+    }
+    for module in verilog.split("endmodule"):
+        nets: dict[str, str] = {}
+        for part in re.split(r"(\w+)", module):
+            own = nets.setdefault(part, f"n{len(nets)}") if re.fullmatch(r"n\d+", part) else part
+            said.update(modules.get(part, own).encode())
     return said.hexdigest()[:16]
 
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure rows on both chips and compare with the record; with --accept, write record and page anew."""
+"""Measure rows on both chips and compare with the record; with --accept, write record and page anew.
+
+With --changed, only rows whose netlist differs from the record's are measured; the others keep their figures.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,19 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from flow import CHIPS, ICE40, ROOT, TARGET_MHZ, digest, map_cells, place, top_of, verilog_of, versions
+from flow import (
+    CHIPS,
+    ICE40,
+    ROOT,
+    TARGET_MHZ,
+    digest,
+    map_cells,
+    netlist_digest,
+    place,
+    top_of,
+    verilog_of,
+    versions,
+)
 from table import ROWS, SEEDS, Row
 
 RECORD = ROOT / "gateware" / "area.json"
@@ -24,9 +39,13 @@ PEERS = {  # the gateware of 2012 in the same flow: cells, MHz on iCE40; cells, 
 Figures = dict[str, dict[str, Any]]
 
 
-def measure(row: Row) -> Figures:
-    """Return the figures of a row on each chip."""
+def measure(row: Row, known: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the figures of a row on each chip and the digest of its netlist: `known`, if it has that one."""
     verilog = verilog_of(row)
+    netlist = netlist_digest(verilog)
+    if known is not None and known.get("netlist") == netlist:
+        print(f"{row.name:14} has the netlist that was recorded", flush=True)
+        return known
     print(f"{row.name:14} ...", flush=True)
     figures = {
         name: place(map_cells(verilog, top_of(row), chip), row.seeds)
@@ -36,7 +55,7 @@ def measure(row: Row) -> Figures:
     print(
         f"{row.name:14}", *(f"{c['cells']:5} cells {c['mhz']:6.1f} MHz" for c in figures.values()), flush=True
     )
-    return figures
+    return {"netlist": netlist, **figures}
 
 
 def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
@@ -51,9 +70,9 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
         found.append(
             f"{row.name}: {ice40['memories']} block RAMs, and at most {row.memories_most} are allowed"
         )
-    for chip, figures in now.items():
-        before = (recorded or {}).get(chip)
-        if before is None:
+    for chip in CHIPS:
+        figures, before = now.get(chip), (recorded or {}).get(chip)
+        if figures is None or before is None:
             continue
         if figures["cells"] > before["cells"] * GROWTH_MOST:
             found.append(f"{row.name}, {chip}: grew from {before['cells']} to {figures['cells']} cells")
@@ -127,13 +146,15 @@ def main() -> int:
         help="these only; the others keep their figures",
     )
     parser.add_argument("--jobs", type=int, default=2, help="rows measured at the same time")
+    parser.add_argument("--changed", action="store_true", help="of these, those whose netlist has changed")
     arguments = parser.parse_args()
     whole = json.loads(RECORD.read_text(encoding="utf-8"))
     recorded = whole["rows"]
     rows = [row for row in ROWS if row.name in (arguments.rows or [row.name for row in ROWS])]
     print(f"{len(rows)} rows on {len(CHIPS)} chips, {len(SEEDS)} seeds each", flush=True)
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        measured = dict(zip((row.name for row in rows), pool.map(measure, rows), strict=True))
+        known = [recorded.get(row.name) if arguments.changed else None for row in rows]
+        measured = dict(zip((row.name for row in rows), pool.map(measure, rows, known), strict=True))
     found = [text for row in rows for text in complaints(row, measured[row.name], recorded.get(row.name))]
     tools = versions()
     if tools != whole["tools"]:
@@ -148,8 +169,8 @@ def main() -> int:
     if not arguments.accept:
         print("the record stays as it is; ACCEPT=1 records these figures")
         return 1 if found else 0
-    known = recorded | {row.name: {"digest": digest(row)} | measured[row.name] for row in rows}
-    figures = {row.name: known[row.name] for row in ROWS if row.name in known}
+    every = recorded | {row.name: measured[row.name] | {"digest": digest(row)} for row in rows}
+    figures = {row.name: every[row.name] for row in ROWS if row.name in every}
     if whole["tools"] != tools and len(rows) < len(ROWS):
         print(
             "other tools than those of the rows that were not measured: record all of them", file=sys.stderr

@@ -24,6 +24,7 @@ from .folder import make_folder
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
+from .memories import memories_of, shortage
 from .pins import TRIPPED, Pinout, assign_pins, lines_of
 from .pll import pll_of
 from .report import Area, Report, budget_of, forget
@@ -78,6 +79,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         generics={name: generics[name] for name in sorted(logic.generics)},
         assertions=False,
     )
+    if too_many := shortage(memories_of(verilog, logic.top), board.device):
+        raise _too_large(order, configuration, "\n  ".join(too_many))
     ports = ports_of(verilog, logic.top)
     pinout = assign_pins(board, lines_of(ports), order.pins, logic.components)
     (folder / "design.v").write_text(verilog, encoding="utf-8")
@@ -94,8 +97,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
             f"the chip's clock on {board.link_clock}: {CHIP_CLOCK_HZ / 1e6:g} MHz, and the design reaches "
             f"{placed.link_fmax_hz / 1e6:.1f} MHz; nextpnr does not check the pins' set-up times"
         )
-    if pll is not None and not has_reset(ports):
-        notices.append(f"{logic.top} has no port reset: its logic runs before the PLL has locked")
+    if not has_reset(ports):
+        notices.append(f"{logic.top} has no port reset: its logic runs before clock and block RAMs are ready")
     report = Report(
         spec=spec.name,
         hash=spec.hash,
@@ -236,15 +239,19 @@ def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> t
     return best.get(False, 0), best.get(True)
 
 
+def _too_large(order: Order, configuration: BoardConfiguration, why: str) -> BoardError:
+    helps = "".join(f"\n  {remedy}" for remedy in remedies(configuration))
+    return BoardError(
+        f"the design does not fit on {order.board.title}: {why}\n"
+        f"What would help, and by how much on an iCE40:{helps}"
+    )
+
+
 def _refused(order: Order, configuration: BoardConfiguration, said: str) -> BoardError | ToolError:
     """Say in our words why nextpnr gave up."""
     if too_many := overflow(said):
         text = ", ".join(f"{used} {cell} and it has {there}" for cell, used, there in too_many)
-        helps = "".join(f"\n  {remedy}" for remedy in remedies(configuration))
-        return BoardError(
-            f"the design does not fit on {order.board.title}: it takes {text}. What would help, and by how "
-            f"much on an iCE40:{helps}"
-        )
+        return _too_large(order, configuration, f"it takes {text}.")
     lines = [line for line in said.splitlines() if "ERROR" in line] or said.strip().splitlines()[
         -_LINES_SHOWN:
     ]

@@ -6,6 +6,7 @@ It is the only place with cells of a vendor, and no file of the user's: a simula
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from unitylink.errors import BoardError
@@ -17,6 +18,9 @@ from .pins import CLOCKS, RECEIVES, RESETS, TRANSMITS, Line, Pinout
 from .pll import Pll
 
 NAME = "unitylink_board"
+# For so long after configuration and the PLL's lock, the design is held in reset. The block RAMs of an iCE40
+# read zeros at first (github.com/YosysHQ/icestorm/issues/76), and the programs of the core are in them.
+RESET_S = 15e-6
 
 
 def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: Pll | None) -> str:
@@ -24,12 +28,12 @@ def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: 
     known = {port.name for port in ports}
     clock = _one_of(known, CLOCKS, top, "clock")
     heads = [f"  {'input' if is_input else 'output'} {pin}" for pin, is_input in board.fixed_pins]
-    body = ["  wire locked_, clock_;", *_clock(board, pll)]
+    body = ["  wire locked_, clock_;", *_clock(board, pll), *_reset(pll.hz if pll else board.clock_hz)]
     links = [(clock, "clock_")]
     if board.physical == "uart":
         links.append((_one_of(known, RECEIVES, top, "receive line of the link"), board.rx))
         links.append((_one_of(known, TRANSMITS, top, "transmit line of the link"), board.tx))
-    links += [(name, "~locked_") for name in RESETS if name in known]
+    links += [(name, "reset_") for name in RESETS if name in known]
     for name in board.released:
         heads.append(f"  inout {name}")
         body.append(_two_way(board, board.pins[name], "1'b0", "1'b0", ""))
@@ -59,7 +63,7 @@ def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: 
 
 
 def has_reset(ports: Sequence[Port]) -> bool:
-    """Say whether the design can be held in reset until the PLL has locked."""
+    """Say whether the design can be held in reset until clock and block RAMs are ready."""
     return any(port.name in RESETS for port in ports)
 
 
@@ -111,6 +115,21 @@ def _clock(board: Board, pll: Pll | None) -> list[str]:
         )
         wires += ", .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)"
     return [f"  {cell} #({parameters}) pll_({wires});"]
+
+
+def _reset(clock_hz: float) -> list[str]:
+    """Return a counter that starts at zero with the configuration, and again if the PLL loses its lock."""
+    bits = math.ceil(clock_hz * RESET_S).bit_length()  # its highest bit comes a little later
+    return [
+        "  reg [1:0] steady_ = 0;",  # the lock is not synchronous to the clock
+        f"  reg [{bits}:0] waited_ = 0;",
+        f"  wire reset_ = ~waited_[{bits}];",
+        "  always @(posedge clock_) begin",
+        "    steady_ <= {steady_[0], locked_};",
+        "    if (~steady_[1]) waited_ <= 0;",
+        "    else if (reset_) waited_ <= waited_ + 1;",
+        "  end",
+    ]
 
 
 def _line(board: Board, line: Line, pins: Sequence[Pin | None]) -> tuple[list[str], list[tuple[str, str]]]:

@@ -13,6 +13,7 @@ from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import (
     CLOCK_HZ_DEFAULT,
     GROUPS_MAX,
+    READ_MANY_MAX,
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,
     TOSNET_MEMORY_WORDS,
@@ -22,6 +23,11 @@ from unitylink.protocol import (
 from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.spec.expand.publishing import split
 from unitylink.spec.model import LINES, Instance, Link, Spec
+
+# What a design has beside what its spec needs: groups for what a program or a person subscribes to at run
+# time, and a read-many for the words that they choose.
+LEAST_GROUPS, SPARE_GROUPS = 4, 2
+LEAST_READ_MANY = 16
 
 
 @dataclass(frozen=True)
@@ -136,9 +142,10 @@ class BoardConfiguration(Settings):
 
         With a TOSNET binding it has the 11-bit map at BASE and one node for every node that the spec uses.
         Otherwise it has plain memory, as wide as the highest address needs. The link properties of the spec
-        apply. It has as many publish groups as the spec needs, as large as needed, and at least 16 of 32
-        words. An exchange group holds the cycle of the largest device, as far as a frame can define it, and
-        at least 30 words. Raises ValueRangeError.
+        apply. It has two publish groups more than the spec needs and at least 4, as large as needed and at
+        least 32 words each. A classic read-many reads all of the largest device that may be read again, and
+        at least 16 words. An exchange group holds the cycle of the largest device, as far as a frame can
+        define it, and at least 30 words. Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -177,6 +184,7 @@ class BoardConfiguration(Settings):
         board = cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
         found: dict[str, Any] = {
             "groups": _groups_of(spec, board),
+            "read_many": _read_many_of(spec),
             "exchange_size": _exchange_size_of(spec, board),
             "spec_hash": wire_hash(spec),
             "safe_words": safe_words(spec, board.data_bits),
@@ -308,7 +316,15 @@ def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
         sum(len(split(group.elements, lambda element: element.words, most)) for group in device.groups)
         for device in spec.devices
     ]
-    return max([BoardConfiguration.groups, *needed])
+    most_needed = max(needed, default=0)
+    return max(most_needed, min(max(LEAST_GROUPS, most_needed + SPARE_GROUPS), GROUPS_MAX))
+
+
+def _read_many_of(spec: Spec) -> int:
+    """Return the words of a classic read-many: all that may be read again of the largest device, so that one
+    request can read it at one moment, as far as a request can say it."""
+    words = [sum(e.words for e in root.walk() if e.pollable) for root in spec.roots]
+    return min(max([LEAST_READ_MANY, *words]), READ_MANY_MAX)
 
 
 def _exchange_size_of(spec: Spec, board: BoardConfiguration) -> int:

@@ -58,8 +58,8 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
         (
             FULL,
             BoardError,
-            r"does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280\. What would help.*"
-            r"\n  --set groups=2: 2 publish groups instead of 16, about 400 cells and 1 block RAM less\n",
+            r"does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280\.\nWhat would help.*"
+            r"\n  --set groups=2: 2 publish groups instead of 4, about 110 cells less\n",
         ),
         (
             SLOW,
@@ -81,6 +81,18 @@ def test_no_bitstream_and_why(
     assert said[-1].startswith("seed 2 reaches" if nextpnr is SLOW else "nextpnr places and routes, seed 1")
     with pytest.raises(BoardError, match="has no finished build of `unitylink build SPEC --board NAME`"):
         read_report(order.folder)
+
+
+def test_too_few_block_rams_are_told_before_anything_is_mapped(order: Order) -> None:
+    spec_file = str(resource_folder("examples") / "scara" / "scara.ul")
+    wanted = replace(order, spec_file=spec_file, board=load_board("icebreaker"), protocol="both")
+    message = (
+        r"does not fit on iCEBreaker .*: it takes \d+ block RAMs and the chip has 30\n"
+        r"  10 in frame_sequencer: 512 words of 80 bits\n(.*\n)+What would help.*\n  --protocol classic"
+    )
+    with pytest.raises(BoardError, match=message):
+        build_bitstream(wanted)
+    assert not (order.folder / "board.json").exists()
 
 
 def test_a_missing_program_is_named_before_anything_starts(

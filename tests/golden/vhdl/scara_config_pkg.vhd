@@ -21,10 +21,10 @@ package scara_config_pkg is
     data_bits             => 32, -- width of a data word
     clock_hz              => 50000000, -- frequency of the clock
     base_hz               => 1000, -- base frequency of publishing; two strobes are at least groups + 5 clocks apart
-    groups                => 16, -- number of publish groups
+    groups                => 4, -- number of publish groups
     group_size            => 32, -- most addresses of a publish group
     rate_bytes            => 2, -- width of a group's divisor
-    read_many             => 255, -- most words of a classic read-many; 0: there is no such command
+    read_many             => 16, -- most words of a classic read-many; 0: there is no such command
     publish_mode          => 2, -- 0 no publishing, 1 prefers requests, 2 prefers publishes
     configuration_command => true, -- the classic command RLC exists
     protocol              => protocol_both, -- protocols that the device speaks; the design contains no other

@@ -47,7 +47,7 @@ entity scara_design is
     write_words : out std_ulogic_vector(255 downto 0);
     written     : out std_ulogic_vector(7 downto 0);
     tripped     : out std_ulogic;
-    events      : in  std_ulogic_vector(15 downto 0) := (others => '0')
+    events      : in  std_ulogic_vector(3 downto 0) := (others => '0')
   );
 end entity;
 
@@ -77,7 +77,7 @@ begin
       events => lines, tripped => tripped,
       wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
 
-  lines(15 downto 0) <= events(15 downto 0);
+  lines(3 downto 0) <= events(3 downto 0);
 
   interconnect : entity work.wishbone_interconnect
     generic map (address_map => address_map)

@@ -45,7 +45,7 @@ entity scara_top is
     from_pc    : out scara_from_pc_t;
     written    : out scara_written_t;
     tripped    : out std_ulogic;
-    events     : in  std_ulogic_vector(15 downto 0) := (others => '0')
+    events     : in  std_ulogic_vector(3 downto 0) := (others => '0')
   );
 end entity;
 

@@ -50,7 +50,7 @@ entity servo_design is
     wheel_b     : in  std_ulogic;
     wheel_index : in  std_ulogic;
     tripped     : out std_ulogic;
-    events      : in  std_ulogic_vector(15 downto 0) := (others => '0')
+    events      : in  std_ulogic_vector(3 downto 0) := (others => '0')
   );
 end entity;
 
@@ -82,7 +82,7 @@ begin
       events => lines, tripped => tripped,
       wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
 
-  lines(15 downto 0) <= events(15 downto 0);
+  lines(3 downto 0) <= events(3 downto 0);
 
   interconnect : entity work.wishbone_interconnect
     generic map (address_map => address_map)

@@ -49,7 +49,7 @@ entity servo_top is
     wheel_b    : in  std_ulogic;
     wheel_index : in  std_ulogic;
     tripped    : out std_ulogic;
-    events     : in  std_ulogic_vector(15 downto 0) := (others => '0')
+    events     : in  std_ulogic_vector(3 downto 0) := (others => '0')
   );
 end entity;
 

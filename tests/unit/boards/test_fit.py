@@ -54,7 +54,7 @@ def test_figures_are_those_of_the_record() -> None:
         for option, row in measured.items():
             (one,) = [one for one in REMEDIES if one.option == option]
             figure = less("shipped", row, kind)
-            assert told(one) == pytest.approx(figure, abs=10 if kind == "cells" else 0), f"{option}: {figure}"
+            assert told(one) == pytest.approx(figure, abs=20 if kind == "cells" else 0), f"{option}: {figure}"
     assert {one.option for one in REMEDIES} == expected.keys() | measured.keys(), "each is measured"
 
 
