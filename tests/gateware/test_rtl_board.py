@@ -6,6 +6,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -129,7 +130,7 @@ def test_slow_line_and_small_fifo_lose_nothing(spec: Spec) -> None:
 def test_machine_that_is_too_slow_slips_and_still_answers(spec: Spec) -> None:
     model = build_model(design_of(spec, rtl_configuration(spec)))
     with (
-        serving(model, BoardConfiguration(clock_hz=1_000_000_000)) as board,
+        serving(model, replace(rtl_configuration(spec), clock_hz=1_000_000_000)) as board,
         Link(f"{board.url()}?timeout=5") as link,
     ):
         while board.statistics()["time_slipped_s"] == 0.0:
@@ -149,7 +150,7 @@ def serving(model: RtlModel, configuration: BoardConfiguration) -> Iterator[Any]
 def test_library_of_another_design(spec: Spec, tmp_path: Path) -> None:
     model = build_model(design_of(spec, rtl_configuration(spec)))
     with (
-        pytest.raises(ToolError, match=r"another design \(3 words to read, 1 to write, 16 groups\)"),
+        pytest.raises(ToolError, match=r"another design \(3 words to read, 1 to write, 4 groups\)"),
         serving(RtlModel(model.library, (1, 2), ()), rtl_configuration(spec)),
     ):
         pass
