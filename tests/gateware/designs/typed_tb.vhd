@@ -28,7 +28,7 @@ architecture test of typed_tb is
   signal written           : typed_written_t;
   signal was_read          : typed_was_read_t;
   signal pins              : std_ulogic_vector(3 downto 0);
-  signal events            : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal events            : std_ulogic_vector(typed_config_pkg.settings.groups - 1 downto 0) := (others => '0');
   signal done              : boolean;
 
 begin
