@@ -378,28 +378,13 @@ class ReferenceDevice:
     # ---- control registers, time
 
     def _control(self, address: int) -> int:
-        s = self.settings
         if address in COUNTERS:
             return self.counters[address]
         if address == p.CONTROL_TIME_LOW:
             self._time_high = self.clock >> 32
             return self.clock & MOST
         return {
-            p.CONTROL_MAGIC: p.CONTROL_VALUE_MAGIC,
-            p.CONTROL_VERSION: p.FRAME_VERSION << 16,
-            p.CONTROL_GATEWARE_VERSION: s.gateware_version,
-            p.CONTROL_BUILD: s.build,
-            p.CONTROL_WIDTHS: 8 * s.a << 16 | 8 * s.d,
-            p.CONTROL_CLOCK_HZ: s.clock_hz,
-            p.CONTROL_BASE_HZ: s.base_hz,
-            p.CONTROL_FEATURES: s.features,
-            p.CONTROL_REQUEST_CREDIT: s.credit,
-            p.CONTROL_FRAME_LIMITS: s.request_max << 16 | s.reply_max,
-            p.CONTROL_WINDOW: s.window << 16 | s.cache,
-            p.CONTROL_GROUPS: s.groups << 16 | s.group_size,
-            p.CONTROL_EXCHANGES: s.exchanges << 16 | s.exchange_size,
-            p.CONTROL_SPEC_HASH_HIGH: s.spec_hash >> 32,
-            p.CONTROL_SPEC_HASH_LOW: s.spec_hash & MOST,
+            **self.settings.description(),
             p.CONTROL_TIME_HIGH: self._time_high,
             p.CONTROL_DEADMAN_TICKS: self._deadman_ticks,
             p.CONTROL_ARM: self.tripped | bool(self._deadman_ticks) << 1 | self.publishing << 2,

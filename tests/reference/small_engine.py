@@ -30,24 +30,7 @@ def memory_of(settings: Settings, names: dict[str, int]) -> bytearray:
     """Return the data memory at power-up, as small_memory_pkg.vhd has it."""
     s = settings
     memory = bytearray(512)
-    description = {
-        p.CONTROL_MAGIC: p.CONTROL_VALUE_MAGIC,
-        p.CONTROL_VERSION: p.FRAME_VERSION << 16,
-        p.CONTROL_GATEWARE_VERSION: s.gateware_version,
-        p.CONTROL_BUILD: s.build,
-        p.CONTROL_WIDTHS: 8 * s.a << 16 | 8 * s.d,
-        p.CONTROL_CLOCK_HZ: s.clock_hz,
-        p.CONTROL_BASE_HZ: s.base_hz,
-        p.CONTROL_FEATURES: s.features,
-        p.CONTROL_REQUEST_CREDIT: s.credit,
-        p.CONTROL_FRAME_LIMITS: s.request_max << 16 | s.reply_max,
-        p.CONTROL_WINDOW: s.window << 16 | s.cache,
-        p.CONTROL_GROUPS: s.groups << 16 | s.group_size,
-        p.CONTROL_EXCHANGES: s.exchanges << 16 | s.exchange_size,
-        p.CONTROL_SPEC_HASH_HIGH: s.spec_hash >> 32,
-        p.CONTROL_SPEC_HASH_LOW: s.spec_hash & 0xFFFFFFFF,
-    }
-    for register, value in description.items():
+    for register, value in s.description().items():
         memory[4 * register : 4 * register + 4] = value.to_bytes(4, "big")
     known = {"a_bytes": s.a, "d_bytes": s.d, "window": s.window, "window_mask": s.window - 1}
     for name, value in {**known, "post_size": 8 + s.a + s.d, "write_bytes": s.a + s.d}.items():

@@ -108,7 +108,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         *(f"- {tool}" for tool in tools),
         "",
         "`make synth` measures again, and fails if a row grew or slowed. `make test` maps every row again",
-        "whose gateware has changed since, and fails if it grew.",
+        "whose netlist has changed since, and fails if it grew.",
     ]
     for chip_name, chip in CHIPS.items():
         lines += [
@@ -161,15 +161,16 @@ def main() -> int:
         print(
             f"measured with {'; '.join(tools)}\nrecorded with {'; '.join(whole['tools'])}: figures may differ"
         )
+    digests = {row.name: digest(row) for row in rows}
     for row in rows:
-        if recorded.get(row.name, {}).get("digest") != digest(row):
-            print(f"{row.name}: the gateware has changed since it was recorded")
+        if recorded.get(row.name, {}).get("digest") != digests[row.name]:
+            print(f"{row.name}: the gateware is not the recorded one")
     for text in found:
         print(text, file=sys.stderr)
     if not arguments.accept:
         print("the record stays as it is; ACCEPT=1 records these figures")
         return 1 if found else 0
-    every = recorded | {row.name: measured[row.name] | {"digest": digest(row)} for row in rows}
+    every = recorded | {row.name: measured[row.name] | {"digest": digests[row.name]} for row in rows}
     figures = {row.name: every[row.name] for row in ROWS if row.name in every}
     if whole["tools"] != tools and len(rows) < len(ROWS):
         print(

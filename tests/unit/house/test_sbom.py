@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import shlex
@@ -13,6 +12,7 @@ from typing import Any
 
 import pytest
 from packaging.utils import canonicalize_name
+from unit.modules import module_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -21,10 +21,7 @@ from test_locks import ASKED, LOCKS, PROJECT, ROOT, entries
 
 @pytest.fixture(scope="module")
 def bill() -> dict[str, Any]:
-    spec = importlib.util.spec_from_file_location("sbom", ROOT / "tools" / "sbom.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = module_of(ROOT / "tools" / "sbom.py")
     made: dict[str, Any] = module.bill()
     assert json.dumps(module.bill()) == json.dumps(made), "the same checkout has the same bill"
     return made

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 import sys
 from dataclasses import fields
@@ -13,6 +12,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from unit.modules import module_of
 
 from unitylink import _native
 from unitylink.commands.simulate import command
@@ -27,11 +27,7 @@ SCARA = ROOT / "examples" / "scara" / "scara.ul"
 
 @pytest.fixture(scope="module")
 def generator() -> ModuleType:
-    where = importlib.util.spec_from_file_location("settings_generator", ROOT / "protocol" / "settings.py")
-    assert where is not None and where.loader is not None
-    module = importlib.util.module_from_spec(where)
-    where.loader.exec_module(module)
-    return module
+    return module_of(ROOT / "protocol" / "settings.py")
 
 
 @pytest.fixture(scope="module")

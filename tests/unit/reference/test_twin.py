@@ -9,6 +9,7 @@ import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
 from reference.framing import Borders, Frame, field
+from reference.host import opening, without_clock
 from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
 from reference.small_engine import small_settings
@@ -70,19 +71,7 @@ def ask(twin: _native.Device, data: bytes, clocks: int = 5_000) -> bytes:
 
 def open_session(twin: _native.Device, nonce: int = 1) -> None:
     """Begin a session of a device, the first one, with EPOCH."""
-    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    opening = Frame(p.REQUEST_KIND_OPEN, field((nonce, 2), (EPOCH, 2), (0, 1))).encode()
-    assert len(list(Borders().feed(ask(twin, b"\0" + hello + opening)))) == 2
-
-
-def without_clock(answer: bytes) -> list[bytes | Frame]:
-    """Frames, but for the time at which a session was opened."""
-    shown: list[bytes | Frame] = []
-    for piece in Borders().feed(answer):
-        frame = Frame.decode(piece, p.FRAME_OPEN_EPOCH)
-        opened = frame is not None and frame.kind == p.DEVICE_KIND_OPEN
-        shown.append(Frame(frame.kind, frame.payload[:2]) if frame is not None and opened else piece)
-    return shown
+    assert len(list(Borders().feed(ask(twin, opening(nonce, EPOCH))))) == 2
 
 
 def a_scenario(seed: int) -> None:
