@@ -118,7 +118,10 @@ def test_idle_is_always_the_same(watch: Watch, address_bytes: int, data_bytes: i
     assert set(found) == {isochrony(configuration).idle_clocks}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long if n == "16/32 bits, 10 clocks a byte" else ()) for n in CASES],
+)
 def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
     address_bytes, data_bytes, words, byte_clocks, letters = CASES[name]
     configuration = gateware(address_bytes, data_bytes, byte_clocks)

@@ -31,6 +31,8 @@ CONFIGURATIONS = {
     "32/32 bits, 4 groups of 8, RM 32": bench({"AW": 32, "SG": 2, "SW": 3}),
     "32/8 bits, 2 groups of 32, RM 8": bench({"AW": 32, "DW": 8, "SW": 5, "RMS": 8}),
 }
+SHORT = ("8/32 bits, 2 groups of 16, RM 32", "the same, requests first", "32/8 bits, 2 groups of 32, RM 8")
+NAMES = [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in CONFIGURATIONS]
 
 
 def crc8(covered: bytes) -> int:
@@ -95,7 +97,7 @@ def settings_of(configuration: BoardConfiguration) -> str:
     return settings + request("WSR", bytes([0]) + (1).to_bytes(configuration.rate_bytes, "big"))
 
 
-@pytest.mark.parametrize("name", CONFIGURATIONS)
+@pytest.mark.parametrize("name", NAMES)
 def test_idle_is_always_the_same(watch: Watch, name: str) -> None:
     configuration = CONFIGURATIONS[name]
     found = delays(watch, configuration, settings_of(configuration), 501, "\n" * 501 * 20)
@@ -103,7 +105,7 @@ def test_idle_is_always_the_same(watch: Watch, name: str) -> None:
     assert set(found) == {isochrony(configuration, protocol="classic").idle_clocks}
 
 
-@pytest.mark.parametrize("name", CONFIGURATIONS)
+@pytest.mark.parametrize("name", NAMES)
 def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
     configuration = CONFIGURATIONS[name]
     result = isochrony(configuration, protocol="classic")

@@ -34,7 +34,9 @@ SHARES_PLAIN = pytest.mark.xdist_group("lockstep plain")  # one process, which s
 CONFIGURATIONS: list[Any] = [
     pytest.param(PLAIN, marks=SHARES_PLAIN),
     {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},
-    {"address_width": 24, "read_many": 0, "publish_mode": 0, "checksum": "xor"},
+    pytest.param(
+        {"address_width": 24, "read_many": 0, "publish_mode": 0, "checksum": "xor"}, marks=pytest.mark.long
+    ),
     {"protocol": "both", "address_width": 16},
     {"protocol": "framed"},
 ]

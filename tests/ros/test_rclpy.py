@@ -48,7 +48,9 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         "MAKEFLAGS": "-j2",
     }
     python = JAZZY / "bin" / "python3"
-    build = [python, "-m", "colcon", "build", "--cmake-args", f"-DPython3_EXECUTABLE={python}"]
+    together = f"-DCMAKE_PROJECT_INCLUDE={HERE / 'type_support.cmake'}"
+    arguments = [f"-DPython3_EXECUTABLE={python}", together]
+    build = [python, "-m", "colcon", "build", "--cmake-args", *arguments]
     done = subprocess.run(
         build, cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
     )
