@@ -17,7 +17,8 @@ import pytest
 from unitylink_lab.bench import FIGURES
 from unitylink_lab.bench import run as measure
 
-ELSEWHERE = {"rtl", "ros1-out", "ros1-in", "dds-out", "dds-in", "ros-joints"}  # test_rtl, tests/ros
+# test_rtl, tests/ros
+ELSEWHERE = {"rtl", "ros1-out", "ros1-in", "ros1-delay", "dds-out", "dds-in", "dds-delay", "ros-joints"}
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 

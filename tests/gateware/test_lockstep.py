@@ -243,7 +243,7 @@ def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any])
 
 
 @SHARES_PLAIN
-@pytest.mark.parametrize("defect", ["default arms", "wide constants"])
+@pytest.mark.parametrize("defect", [pytest.param("default arms", marks=pytest.mark.long), "wide constants"])
 def test_netlist_as_ghdl_prints_it_differs(ghdl: Any, tmp_path: Path, defect: str) -> None:
     """If this fails, GHDL prints it right and the repair may go."""
     lockstep = Lockstep(ghdl, tmp_path, PLAIN)

@@ -8,7 +8,14 @@ import pytest
 from unitylink_lab.bench import run
 
 
-@pytest.mark.parametrize(("name", "of"), [("ros1-out", "messages/s"), ("dds-delay", "us")])
+@pytest.mark.parametrize(
+    ("name", "of"),
+    [
+        ("ros1-delay", "us"),
+        ("dds-delay", "us"),
+        pytest.param("ros1-out", "messages/s", marks=pytest.mark.long),
+    ],
+)
 def test_figure_yields_a_number(name: str, of: str) -> None:
     report = run(only=[name], quick=True, say=lambda message: None)
     assert not report.failures
