@@ -4,16 +4,15 @@
 --
 --   write_clock                                                          read_clock
 --   write_valid/ready/data --> | memory of `depth` words | --> output register --> read_valid/ready/data
---             write count, grey ---- two flip-flops --------------> what is there to read
---      what is free to write <------------- two flip-flops ---- read count, grey
+--             write count, grey ---- synchroniser ----------------> what is there to read
+--      what is free to write <-------------- synchroniser ----- read count, grey
 --
 -- Ports     A word moves on a side in every clock in which its valid and ready are both high.
 -- Margin    write_ready falls while there is still room for `margin` words. This is for a writer that cannot stop at
 --           once: so many words are taken while write_ready is low.
 -- Crossing  Only one bit of a Grey count changes at a time. So a reader that samples it during a change sees the old
---           count or the new one. Both counts come out of registers. Give a tool that checks crossings this constraint:
---           the bits of write_grey and of read_grey arrive within one clock of each other (set_max_delay of the faster
---           period, no false path).
+--           count or the new one. Both counts come out of registers. Their bits must arrive within one clock of each
+--           other. `unitylink build` writes that constraint: set_max_delay of the period they come from, no false path.
 -- Latency   A word written into an empty buffer is on read_data after 3 to 4 clocks of the reader. A word taken makes
 --           room after 3 to 4 clocks of the writer. One word per clock, if depth is at least 8.
 -- Capacity  `depth` words in the memory and one in the output register.
@@ -71,12 +70,13 @@ architecture rtl of async_fifo is
   signal memory : memory_t;
 
   signal write_count, write_grey     : count_t := (others => '0');
-  signal read_grey_1, read_grey_2    : count_t := (others => '0'); -- synchronised to the writer's clock
+  signal read_grey_seen              : std_ulogic_vector(count_t'range); -- synchronised to the writer's clock
   signal read_seen                   : count_t := (others => '0');
   signal has_room                    : std_ulogic := '0';
 
   signal read_count, read_grey       : count_t := (others => '0');
-  signal write_grey_1, write_grey_2  : count_t := (others => '0'); -- synchronised to the reader's clock
+  signal write_grey_seen             : std_ulogic_vector(count_t'range); -- synchronised to the reader's clock
+  signal data_crossed                : std_ulogic_vector(width - 1 downto 0); -- of the memory: it stood still
   signal loaded                      : std_ulogic := '0';
   signal store, load                 : std_ulogic;
 
@@ -88,18 +88,29 @@ begin
     report "async_fifo: margin must be less than depth" severity failure;
 
   store <= write_valid and has_room;
-  load  <= '1' when read_grey /= write_grey_2 and (loaded = '0' or read_ready = '1') else '0';
+  load  <= '1' when read_grey /= unsigned(write_grey_seen) and (loaded = '0' or read_ready = '1') else '0';
 
   read_valid <= loaded;
+  read_data  <= data_crossed;
+
+  read_synchroniser : entity work.synchroniser
+    generic map (width => index_bits + 1)
+    port map (
+      clock => write_clock, reset => write_reset,
+      asynchronous => std_ulogic_vector(read_grey), levels => read_grey_seen);
+
+  write_synchroniser : entity work.synchroniser
+    generic map (width => index_bits + 1)
+    port map (
+      clock => read_clock, reset => read_reset,
+      asynchronous => std_ulogic_vector(write_grey), levels => write_grey_seen);
 
   write_side : process (write_clock) is
     variable count : count_t;
     variable held  : count_t;
   begin
     if rising_edge(write_clock) then
-      read_grey_1 <= read_grey;
-      read_grey_2 <= read_grey_1;
-      read_seen   <= binary(read_grey_2);
+      read_seen <= binary(unsigned(read_grey_seen));
 
       count       := write_count + unsigned'("" & store);
       write_count <= count;
@@ -110,8 +121,6 @@ begin
       write_ready <= '1' when held < depth - margin else '0';
 
       if write_reset = '1' then
-        read_grey_1 <= (others => '0');
-        read_grey_2 <= (others => '0');
         read_seen   <= (others => '0');
         write_count <= (others => '0');
         write_grey  <= (others => '0');
@@ -134,7 +143,7 @@ begin
   begin
     if rising_edge(read_clock) then
       if load = '1' then
-        read_data <= memory(to_integer(read_count(index_bits - 1 downto 0)));
+        data_crossed <= memory(to_integer(read_count(index_bits - 1 downto 0)));
       end if;
     end if;
   end process;
@@ -143,17 +152,12 @@ begin
     variable count : count_t;
   begin
     if rising_edge(read_clock) then
-      write_grey_1 <= write_grey;
-      write_grey_2 <= write_grey_1;
-
       count      := read_count + unsigned'("" & load);
       read_count <= count;
       read_grey  <= grey(count);
       loaded     <= load or (loaded and not read_ready);
 
       if read_reset = '1' then
-        write_grey_1 <= (others => '0');
-        write_grey_2 <= (others => '0');
         read_count   <= (others => '0');
         read_grey    <= (others => '0');
         loaded       <= '0';

@@ -8,6 +8,7 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use work.crossing_pkg.all;
 
 entity reset_synchroniser is
   generic (
@@ -22,19 +23,26 @@ end entity;
 
 architecture rtl of reset_synchroniser is
 
-  signal over : std_ulogic_vector(clocks - 1 downto 0) := (others => '0'); -- ones are shifted in from the right
+  signal reset_over : std_ulogic_vector(clocks - 1 downto 0) := (others => '0'); -- ones come in from the right
+
+  attribute async_reg        of reset_over : signal is "true";
+  attribute shreg_extract    of reset_over : signal is "no";
+  attribute preserve         of reset_over : signal is true;
+  attribute altera_attribute of reset_over : signal is altera_crossing_c;
+  attribute syn_preserve     of reset_over : signal is true;
+  attribute syn_srlstyle     of reset_over : signal is "registers";
 
 begin
 
   process (clock, asynchronous_reset) is
   begin
     if asynchronous_reset = '1' then
-      over <= (others => '0');
+      reset_over <= (others => '0');
     elsif rising_edge(clock) then
-      over <= over(clocks - 2 downto 0) & '1';
+      reset_over <= reset_over(clocks - 2 downto 0) & '1';
     end if;
   end process;
 
-  reset <= not over(clocks - 1);
+  reset <= not reset_over(clocks - 1);
 
 end architecture;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Brings external pins into a clock domain: two flip-flops against metastability, and a filter. A new level counts only
+-- Brings external pins into a clock domain: a synchroniser against metastability, and a filter. A new level counts only
 -- when it has been stable for `stable_clocks` clocks.
 --
 -- Latency   2 + stable_clocks clocks.
@@ -26,27 +26,29 @@ architecture rtl of input_filter is
 
   type counts_t is array (0 to width - 1) of natural range 0 to stable_clocks - 1;
 
-  signal first, second : std_ulogic_vector(width - 1 downto 0); -- first may be metastable
-  signal counts        : counts_t;                              -- clocks for which a pin has differed from its level
+  signal settled : std_ulogic_vector(width - 1 downto 0); -- pins, synchronous
+  signal counts  : counts_t;                              -- clocks for which a pin has differed from its level
 
 begin
+
+  pin_synchroniser : entity work.synchroniser
+    generic map (width => width)
+    port map (clock => clock, asynchronous => pins, levels => settled);
 
   process (clock) is
   begin
     if rising_edge(clock) then
-      first  <= pins;
-      second <= first;
       for pin in 0 to width - 1 loop
-        if second(pin) = levels(pin) then
+        if settled(pin) = levels(pin) then
           counts(pin) <= 0;
         elsif counts(pin) = stable_clocks - 1 then
-          levels(pin) <= second(pin);
+          levels(pin) <= settled(pin);
           counts(pin) <= 0;
         else
           counts(pin) <= counts(pin) + 1;
         end if;
         if reset = '1' then
-          levels(pin) <= second(pin);
+          levels(pin) <= settled(pin);
           counts(pin) <= 0;
         end if;
       end loop;

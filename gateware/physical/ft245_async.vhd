@@ -15,11 +15,12 @@
 --           datasheets give no figure, and it was not checked on silicon.
 -- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while
 --           data_drive is high.
---           rxf_n, txe_n: asynchronous. They are sampled at falling edges, so they settle for half a clock (above 60
---           MHz: one and a half). tx_last, tx_publish: with tx_data. send_immediate says which messages raise siwu_n.
--- Rate      At 50 MHz and with the slowest chip, a byte takes 6 clocks to read and 5 to write: 8.3 and 10 MB/s. The
---           chip does 8.
--- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks after wr_n of
+--           rxf_n, txe_n: asynchronous. With two flag_flops they pass a synchroniser, and have a whole clock to settle.
+--           With one they are sampled at falling edges, and have half a clock; above 60 MHz a second flip-flop follows.
+--           tx_last, tx_publish: with tx_data. send_immediate says which messages raise siwu_n.
+-- Rate      At 50 MHz and with the slowest chip, a byte takes 8 clocks to read and 7 to write: 6.2 and 7.1 MB/s. With
+--           one of flag_flops 6 and 5: 8.3 and 10 MB/s. The chip does 8. At 100 MHz both do 8.3 and 10 MB/s.
+-- Latency   rxf_n to rx_valid: strobe + 6 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks after wr_n of
 --           the last byte (3 at 50 MHz), and stays low for si_ns. Messages that end meanwhile share the next pulse.
 -- Errors    None: the chip and the buffers lose nothing.
 -- Pressure  While rx_ready is low, the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
@@ -43,7 +44,8 @@ entity ft245_async is
     setup_ns       : positive         := 5;  -- T8: data before wr_n
     hold_ns        : positive         := 5;  -- T9: data after wr_n, counted from its end
     si_ns          : positive         := 250;
-    pad_ns         : natural          := 6
+    pad_ns         : natural          := 6;
+    flag_flops     : positive range 1 to 2 := 2 -- against metastability of rxf_n, txe_n
   );
   port (
     clock : in std_ulogic;
@@ -72,13 +74,17 @@ end entity;
 
 architecture rtl of ft245_async is
 
-  constant settles_longer : boolean := clock_hz > 60_000_000;
+  constant settles_longer : boolean := clock_hz > 60_000_000; -- with one of flag_flops
 
   -- Clocks from an edge of a strobe until the flag seen here is the chip's answer to it.
   function answer_clocks return positive is
     constant half_clock_ns : natural  := (500_000_000 + clock_hz - 1) / clock_hz;
+    constant sampling_ns   : positive := 2; -- set-up time of the first flip-flop
     constant clocks        : positive := clocks_lasting(flag_ns + pad_ns + half_clock_ns, clock_hz);
   begin
+    if flag_flops = 2 then
+      return clocks_lasting(flag_ns + pad_ns + sampling_ns, clock_hz) + 2;
+    end if;
     if settles_longer then
       return clocks + 1;
     end if;
@@ -95,8 +101,9 @@ architecture rtl of ft245_async is
 
   type state_t is (idle, reading, setting_up, writing, holding);
 
-  signal early_rxf_n, early_txe_n : std_ulogic := '1'; -- sampled half a clock earlier
-  signal seen_rxf_n, seen_txe_n   : std_ulogic := '1';
+  signal flags, seen_flags       : std_ulogic_vector(1 downto 0);           -- txe_n, rxf_n
+  signal early_flags             : std_ulogic_vector(1 downto 0) := "11";   -- sampled half a clock earlier
+  signal seen_rxf_n, seen_txe_n  : std_ulogic;
 
   signal state       : state_t := idle;
   signal count       : natural range 0 to clocks_most - 1 := 0;       -- clocks left of the state
@@ -107,7 +114,7 @@ architecture rtl of ft245_async is
 
   signal can_read, can_write : std_ulogic;
   signal got_valid, got_room : std_ulogic := '0';
-  signal got_data            : std_ulogic_vector(7 downto 0);
+  signal data_crossed        : std_ulogic_vector(7 downto 0);
   signal send_valid          : std_ulogic;
   signal send_ready          : std_ulogic;
   signal send_item           : std_ulogic_vector(8 downto 0);         -- the byte, with the flush bit above it
@@ -115,29 +122,36 @@ architecture rtl of ft245_async is
 
 begin
 
-  sample_early : process (clock) is
-  begin
-    if falling_edge(clock) then
-      early_rxf_n <= rxf_n;
-      early_txe_n <= txe_n;
-    end if;
-  end process;
+  flags      <= txe_n & rxf_n;
+  seen_rxf_n <= seen_flags(0);
+  seen_txe_n <= seen_flags(1);
 
-  sample : if settles_longer generate
-    process (clock) is
+  see : if flag_flops = 2 generate
+    flag_synchroniser : entity work.synchroniser
+      generic map (width => 2, idle => '1')
+      port map (clock => clock, asynchronous => flags, levels => seen_flags);
+  else generate
+    sample_early : process (clock) is
     begin
-      if rising_edge(clock) then
-        seen_rxf_n <= early_rxf_n;
-        seen_txe_n <= early_txe_n;
+      if falling_edge(clock) then
+        early_flags <= flags;
       end if;
     end process;
-  else generate
-    seen_rxf_n <= early_rxf_n;
-    seen_txe_n <= early_txe_n;
+
+    sample : if settles_longer generate
+      process (clock) is
+      begin
+        if rising_edge(clock) then
+          seen_flags <= early_flags;
+        end if;
+      end process;
+    else generate
+      seen_flags <= early_flags;
+    end generate;
   end generate;
 
-  -- A byte in got_data does not yet count in the buffer. So after a read, a waiting write goes first. Otherwise reads
-  -- go first.
+  -- A byte in data_crossed does not yet count in the buffer. So after a read, a waiting write goes first. Otherwise
+  -- reads go first.
   can_read   <= '1' when seen_rxf_n = '0' and read_wait = 0 and got_room = '1' and got_valid = '0' else '0';
   can_write  <= '1' when seen_txe_n = '0' and turn_wait = 0 and send_valid = '1' else '0';
   send_ready <= '1' when state = idle and can_write = '1' and can_read = '0' else '0';
@@ -173,12 +187,12 @@ begin
 
         when reading =>
           if count = 0 then
-            rd_n      <= '1';
-            got_valid <= '1';
-            got_data  <= data_in;
-            read_wait <= answer_clocks - 1;
-            turn_wait <= turn_clocks - 1;
-            state     <= idle;
+            rd_n         <= '1';
+            got_valid    <= '1';
+            data_crossed <= data_in; -- it stands still
+            read_wait    <= answer_clocks - 1;
+            turn_wait    <= turn_clocks - 1;
+            state        <= idle;
           end if;
 
         when setting_up =>
@@ -225,7 +239,7 @@ begin
     generic map (width => 8, depth => rx_depth)
     port map (
       clock => clock, reset => reset,
-      write_valid => got_valid, write_ready => got_room, write_data => got_data,
+      write_valid => got_valid, write_ready => got_room, write_data => data_crossed,
       read_valid => rx_valid, read_ready => rx_ready, read_data => rx_data);
 
   said_item <= sends_at_once(send_immediate, tx_last, tx_publish) & tx_data;

@@ -9,8 +9,8 @@
 --   miso  -----< 7 X 6 X 5 X … X 1 X 0 >--------     filler if there is nothing to send
 --
 -- Clocks    sck clocks the bits itself, up to 25 MHz and beyond. clock must be at least as fast as sck. Put sck on a
---           clock net. A byte crosses between the clocks with a toggle that goes through two flip-flops. The byte does
---           not change meanwhile.
+--           clock net. A byte crosses between the clocks beside a toggle that goes through a synchroniser. The byte
+--           does not change meanwhile.
 -- Filler    Each side sends zeros as filler when it has nothing to send. Framed messages have zeros at their ends, and
 --           classic messages have none. Filler must not come within a framed message. So a message is sent when all of
 --           it is in the buffer, or when the buffer is full. Filler from the PC reaches rx_data like any byte.
@@ -65,20 +65,20 @@ architecture rtl of spi_slave is
   signal shift       : std_ulogic_vector(6 downto 0);   -- received bits of this byte
   signal came        : byte_t := (others => '0');       -- the last whole byte
   signal came_toggle : std_ulogic := '0';               -- toggles with it
-  signal goes        : byte_t := filler;                -- the byte on miso
+  signal miso_crossed : byte_t := filler;               -- the byte on miso
   signal took_toggle : std_ulogic := '0';               -- a copy of offer_toggle, of the offer that was taken
   signal goes_one    : std_ulogic := '0';               -- … which is not filler
-  signal offer_1, offer_2 : std_ulogic := '0';
+  signal offer_2      : std_ulogic;                     -- offer_toggle, synchronised
 
   -- In the clock domain of the streams.
   signal offer        : byte_t := (others => '0');
   signal offer_toggle : std_ulogic := '0';
-  signal took_1, took_2 : std_ulogic := '0';
-  signal one_1, one_2   : std_ulogic := '0';
-  signal came_1, came_2, came_3 : std_ulogic := '0';
+  signal told, seen            : std_ulogic_vector(2 downto 0); -- goes_one, took_toggle, came_toggle; synchronised
+  signal one_2, took_2, came_2 : std_ulogic;
+  signal came_3                : std_ulogic := '0';
 
   signal item_valid, item_room : std_ulogic := '0';
-  signal item_data             : byte_t;
+  signal item_crossed          : byte_t;
   signal item_error            : receive_error_t := no_receive_error; -- an overrun in place of the byte
   signal lost                  : std_ulogic := '0';
 
@@ -90,15 +90,26 @@ architecture rtl of spi_slave is
 
 begin
 
-  miso       <= goes(7 - to_integer(place));
+  miso       <= miso_crossed(7 - to_integer(place));
   miso_drive <= not cs_n;
+
+  offer_synchroniser : entity work.synchroniser
+    port map (clock => sck, asynchronous(0) => offer_toggle, levels(0) => offer_2);
+
+  told <= goes_one & took_toggle & came_toggle;
+
+  told_synchroniser : entity work.synchroniser
+    generic map (width => 3)
+    port map (clock => clock, asynchronous => told, levels => seen);
+
+  one_2  <= seen(2);
+  took_2 <= seen(1);
+  came_2 <= seen(0);
 
   receive_bits : process (sck) is
   begin
     if rising_edge(sck) then
-      offer_1 <= offer_toggle;
-      offer_2 <= offer_1;
-      shift   <= shift(5 downto 0) & mosi;
+      shift <= shift(5 downto 0) & mosi;
       if place = 7 then
         came        <= shift & mosi;
         came_toggle <= not came_toggle;
@@ -119,12 +130,12 @@ begin
   begin
     if falling_edge(sck) then
       if place = 7 then
-        goes     <= filler;
-        goes_one <= '0';
+        miso_crossed <= filler;
+        goes_one     <= '0';
         if offer_2 /= took_toggle then
-          goes        <= offer;
-          goes_one    <= '1';
-          took_toggle <= offer_2;
+          miso_crossed <= offer;
+          goes_one     <= '1';
+          took_toggle  <= offer_2;
         end if;
       end if;
     end if;
@@ -136,22 +147,20 @@ begin
     variable new_byte : std_ulogic;
   begin
     if rising_edge(clock) then
-      came_1   <= came_toggle;
-      came_2   <= came_1;
       came_3   <= came_2;
       new_byte := came_2 xor came_3;
 
       if item_room = '1' then
-        item_valid <= new_byte or lost;
-        item_data  <= came;
-        item_error <= (overrun_error_bit => lost, others => '0');
-        lost       <= '0'; -- a byte that comes in this clock is part of the overrun
+        item_valid   <= new_byte or lost;
+        item_crossed <= came;
+        item_error   <= (overrun_error_bit => lost, others => '0');
+        lost         <= '0'; -- a byte that comes in this clock is part of the overrun
       elsif item_valid = '1' then
         lost <= lost or new_byte;
       else
-        item_valid <= new_byte;
-        item_data  <= came;
-        item_error <= no_receive_error;
+        item_valid   <= new_byte;
+        item_crossed <= came;
+        item_error   <= no_receive_error;
       end if;
 
       if reset = '1' then
@@ -165,7 +174,7 @@ begin
     generic map (rx_depth => rx_depth)
     port map (
       clock => clock, reset => reset,
-      line_valid => item_valid, line_ready => item_room, line_data => item_data, line_error => item_error,
+      line_valid => item_valid, line_ready => item_room, line_data => item_crossed, line_error => item_error,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error);
 
   -- To the PC.
@@ -188,11 +197,6 @@ begin
     variable comes, goes_away : natural range 0 to 1;
   begin
     if rising_edge(clock) then
-      took_1 <= took_toggle;
-      took_2 <= took_1;
-      one_1  <= goes_one;
-      one_2  <= one_1;
-
       comes     := 0;
       goes_away := 0;
       if tx_valid = '1' and room = '1' and tx_last = '1' then

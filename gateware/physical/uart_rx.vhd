@@ -8,7 +8,7 @@
 --
 -- Baud rate   Any up to clock_hz / 8: a phase accumulator divides the clock by fractions. The sender may be 3 % fast or
 --             slow at any of them. Sampling is at most 1/8 bit off the middle, and 3 % is 0.32 bit at the stop bit.
--- Guard       Two flip-flops against metastability, then the median of three samples. So a spike shorter than one clock
+-- Guard       A synchroniser against metastability, then the median of three samples. So a spike shorter than one clock
 --             period is ignored, and edges do not move. A start bit that is over by its middle is ignored.
 -- Errors      rx_error, with rx_valid, gives the error. If it is not zero, the item is not a byte, and rx_data is void.
 --             The bits are parity, framing (no stop bit), and overrun (at least one character found no room at this
@@ -61,7 +61,8 @@ architecture rtl of uart_rx is
     stop         -- until the middle of the stop bit
   );
 
-  signal samples  : std_ulogic_vector(3 downto 0); -- of the line, newest first; number 0 may be metastable
+  signal settled  : std_ulogic;                    -- the line, synchronised
+  signal samples  : std_ulogic_vector(1 downto 0); -- of it, newest first
   signal level    : std_ulogic;                    -- the line, synchronised and filtered
   signal phase    : unsigned(bits downto 0);
   signal tick     : std_ulogic;
@@ -79,6 +80,10 @@ begin
            & integer'image(baud_hz) & " * 8 Hz"
     severity failure;
 
+  line_synchroniser : entity work.synchroniser
+    generic map (idle => '1')
+    port map (clock => clock, asynchronous(0) => line, levels(0) => settled);
+
   tick <= phase(bits);
 
   process (clock) is
@@ -87,8 +92,8 @@ begin
     variable free  : boolean;
   begin
     if rising_edge(clock) then
-      samples <= samples(2 downto 0) & line;
-      level   <= (samples(1) and samples(2)) or (samples(2) and samples(3)) or (samples(1) and samples(3));
+      samples <= samples(0) & settled;
+      level   <= (settled and samples(0)) or (samples(0) and samples(1)) or (settled and samples(1));
 
       phase      <= ('0' & phase(bits - 1 downto 0)) + increment;
       line_break <= '0';

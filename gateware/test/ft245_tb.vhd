@@ -21,6 +21,7 @@ entity ft245_tb is
     busy_percent   : natural          := 0;  -- busy clocks of the chip
     stall_percent  : natural          := 30; -- stalled clocks of the streams
     rate_hz_least  : natural          := 0;  -- bytes per second, one direction
+    flag_flops     : positive         := 2;  -- asynchronous
     seed           : positive         := 1
   );
 end entity;
@@ -73,7 +74,7 @@ begin
 
   async : if not synchronous generate
     dut : entity work.ft245_async
-      generic map (clock_hz => clock_hz, send_immediate => send_immediate)
+      generic map (clock_hz => clock_hz, send_immediate => send_immediate, flag_flops => flag_flops)
       port map (
         clock => clock, reset => reset,
         rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,

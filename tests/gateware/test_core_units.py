@@ -14,6 +14,8 @@ BENCHES: list[tuple[str, dict[str, Any]]] = [
     ("fifo_tb", {"depth": 2}),
     ("fifo_tb", {"depth": 16, "seed": 5}),
     ("reset_synchroniser_tb", {"clocks": 2}),
+    ("synchroniser_tb", {"width": 3}),
+    ("synchroniser_tb", {"width": 1, "idle": "'1'", "seed": 2}),
     ("reset_synchroniser_tb", {"clocks": 8, "seed": 3}),
     ("decoder_tb", {}),
     ("receiver_tb", {"checksum": "crc8"}),

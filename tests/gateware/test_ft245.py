@@ -14,14 +14,27 @@ CLOCKS = [4_000_000, 12_000_000, 50_000_000, 60_000_000, 66_000_000, 100_000_000
 
 
 @pytest.mark.parametrize("slowest", [False, True])
+@pytest.mark.parametrize("flag_flops", [1, 2])
 @pytest.mark.parametrize("clock_hz", CLOCKS)
-def test_async_timing(ghdl: Any, clock_hz: int, slowest: bool) -> None:
-    ghdl.run("ft245_tb", clock_hz=clock_hz, slowest=slowest, bytes=700, seed=clock_hz // 1_000_000)
+def test_async_timing(ghdl: Any, clock_hz: int, flag_flops: int, slowest: bool) -> None:
+    seed = clock_hz // 1_000_000
+    ghdl.run("ft245_tb", clock_hz=clock_hz, flag_flops=flag_flops, slowest=slowest, bytes=700, seed=seed)
 
 
 @pytest.mark.parametrize("slowest", [False, True])
-def test_async_sustains_what_the_chip_can(ghdl: Any, slowest: bool) -> None:
-    ghdl.run("ft245_tb", rate_hz_least=CHIP_BYTES_A_SECOND, slowest=slowest, bytes=10)
+@pytest.mark.parametrize(
+    ("clock_hz", "flag_flops", "least"),
+    [
+        (50_000_000, 1, CHIP_BYTES_A_SECOND),
+        (50_000_000, 2, 6_200_000),
+        (100_000_000, 2, CHIP_BYTES_A_SECOND),
+    ],
+)
+def test_async_sustains_its_rate(
+    ghdl: Any, clock_hz: int, flag_flops: int, least: int, slowest: bool
+) -> None:
+    settings = {"clock_hz": clock_hz, "flag_flops": flag_flops, "rate_hz_least": least}
+    ghdl.run("ft245_tb", slowest=slowest, bytes=10, **settings)
 
 
 @pytest.mark.parametrize("mode", ["never", "publishes", "replies", "both"])

@@ -211,9 +211,9 @@ BLOCKS = (
         depth=8,
         deep=24,
         several_clocks=True,
-        not_proven="resets; metastability, against which there are two flip-flops in series",
+        not_proven="resets; metastability, against which there is a `synchroniser`",
         mutants=(
-            Mutant("async_fifo.vhd", "read_seen   <= binary(read_grey_2);", "read_seen   <= read_grey_2;"),
+            Mutant("async_fifo.vhd", "<= binary(unsigned(read_grey_seen));", "<= unsigned(read_grey_seen);"),
             Mutant("async_fifo.vhd", "when held < depth - margin", "when held <= depth - margin"),
             Mutant("async_fifo.vhd", "load or (loaded and not read_ready)", "load or loaded"),
             Mutant("async_fifo.vhd", "write_grey  <= grey(count);", "write_grey  <= grey(count + 1);"),

@@ -127,7 +127,7 @@ PHYSICAL_BLOCKS = (
         several_clocks=True,
         not_proven="resets, overruns, filler within a message, long transfers: the bench tests them",
         mutants=(
-            Mutant("spi_slave.vhd", "new_byte := came_2 xor came_3;", "new_byte := came_1 xor came_3;"),
+            Mutant("spi_slave.vhd", "new_byte := came_2 xor came_3;", "new_byte := came_toggle xor came_3;"),
             Mutant("spi_slave.vhd", "miso_drive <= not cs_n;", "miso_drive <= '1';"),
             Mutant("spi_slave.vhd", "<= shift(5 downto 0) & mosi;", "<= shift(5 downto 0) & not mosi;"),
             Mutant("spi_slave.vhd", "and took_2 = offer_toggle and may_go", "and may_go"),

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every signal that enters a clock domain does so through a register made for that, in every design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from tests.gateware.crossings import Netlist, Register
+from unitylink.gateware import netlist
+from unitylink.generate import generate_vhdl
+from unitylink.generate.vhdl import design_name
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.spec import compile_text
+
+SPEC = "public small() { @x = 0x7: READ(); @y = 0x8: WRITE(); }"
+FT245 = ("rxf_n", "txe_n", "data_in")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What comes from outside of a design, by how its name begins: what is synchronous to a clock."""
+
+    synchronous: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # clock -> beginnings
+    cleared: tuple[str, ...] = ("reset_over",)  # registers
+
+    def foreign(self, register: Register) -> set[tuple[str, str]]:
+        own = {("clock", register.clock)}
+        with_it = self.synchronous.get(register.clock, ())
+        return {
+            (kind, name)
+            for kind, name in (register.data | register.choice | register.clears) - own
+            if not (kind == "pin" and name.startswith(with_it))
+        }
+
+    def wrong(self, register: Register) -> str:
+        """Say what is wrong with how `register` takes what is foreign to its clock; "" if nothing is."""
+        foreign = self.foreign(register)
+        leaves = {name.rpartition(".")[2] for name in register.names}
+        if not foreign:
+            return ""
+        if foreign & register.clears:
+            return "" if leaves & set(self.cleared) else f"is cleared by {sorted(foreign & register.clears)}"
+        if foreign & register.choice:
+            return f"takes its data when {sorted(foreign & register.choice)} says so"
+        if any(name.endswith("synchroniser.first") for name in register.names):
+            return "" if register.direct and len(foreign) == 1 else f"is behind logic of {sorted(foreign)}"
+        return "" if any(leaf.endswith("_crossed") for leaf in leaves) else f"takes {sorted(foreign)}"
+
+
+TOP = {"clock": ("to_pc", "events")}  # of a generated top level: what the user's logic gives
+LAYERS = {
+    "uart": Bounds(TOP),
+    "rs485": Bounds(TOP),
+    "spi": Bounds({**TOP, "spi_sck": ("spi_mosi",)}, ("reset_over", "place")),
+    "ft245_async": Bounds(TOP),
+    "ft245_sync": Bounds({**TOP, "ft245_clkout": tuple(f"ft245_{name}" for name in FT245)}),
+}
+
+
+def complaints(registers: Netlist, bounds: Bounds) -> list[str]:
+    told = {
+        f"{min(register.names, key=len)} at {register.clock} {wrong}"
+        for register in registers.registers
+        if (wrong := bounds.wrong(register))
+    }
+    return sorted(told)
+
+
+def design(folder: Path, physical: str) -> Netlist:
+    spec = compile_text(SPEC, "small.ul").spec
+    assert spec is not None
+    protocol = "framed" if physical == "rs485" else "classic"  # the smallest
+    configuration = BoardConfiguration.for_spec(spec, physical=physical, protocol=protocol, publish_mode=0)
+    top, sources = f"{design_name(spec)}_top", []
+    for name, text in generate_vhdl(spec, configuration).items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+        sources += [folder / name] if name.endswith(".vhd") else []
+    return Netlist(netlist(top, sources=sources, assertions=False), top, folder)
+
+
+@pytest.mark.parametrize("physical", LAYERS)
+def test_a_design_takes_nothing_unsynchronised(tmp_path: Path, physical: str) -> None:
+    found = design(tmp_path, physical)
+    assert not complaints(found, LAYERS[physical])
+    kinds = {name.rpartition(".")[2] for register in found.registers for name in register.names}
+    assert {"first", "reset_over"} <= kinds
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("if rising_edge(clock) then taken <= pin; end if;", "taken at clock takes [('pin', 'pin')]"),
+        (
+            "if rising_edge(clock) then if pin = '1' then own <= not own; end if; end if;",
+            "own at clock takes",
+        ),
+        ("if rising_edge(other) then taken <= kept; end if;", "taken at other takes [('clock', 'clock')]"),
+        (
+            "if rising_edge(clock) then first <= pin and kept; end if;",
+            "first at clock takes [('pin', 'pin')]",
+        ),
+        (
+            "if pin = '1' then taken <= '0'; elsif rising_edge(clock) then taken <= kept; end if;",
+            "taken at clock is cleared by [('pin', 'pin')]",
+        ),
+    ],
+)
+def test_what_is_not_synchronised_is_found(tmp_path: Path, text: str, what: str) -> None:
+    source = tmp_path / "careless.vhd"
+    source.write_text(CARELESS.format(text), encoding="ascii")
+    found = Netlist(netlist("careless", sources=[source], assertions=False), "careless", tmp_path)
+    assert any(what in each for each in complaints(found, Bounds({"clock": ("data",)})))
+
+
+CARELESS = """
+library ieee; use ieee.std_logic_1164.all;
+entity careless is
+  port (clock, other, pin, data : in std_ulogic; kept, own, taken, first : buffer std_ulogic := '0');
+end entity;
+architecture rtl of careless is
+begin
+  keep : process (clock) is begin
+    if rising_edge(clock) then kept <= data; end if;
+  end process;
+  wrong : process (clock, other, pin) is begin
+    {}
+  end process;
+end architecture;
+"""
