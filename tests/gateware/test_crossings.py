@@ -3,18 +3,23 @@
 
 from __future__ import annotations
 
+import re
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from tests.gateware.crossings import Netlist, Register
-from unitylink.gateware import netlist
-from unitylink.generate import generate_vhdl
+from unitylink.boards.logic import Wanted, design_sources, logic_of
+from unitylink.gateware import gateware_folder, netlist
+from unitylink.generate import SpecPlan, generate_vhdl, planned_files, write_files
 from unitylink.generate.vhdl import design_name
 from unitylink.interface.board_configuration import BoardConfiguration
-from unitylink.spec import compile_text
+from unitylink.spec import compile_text, load
 
 SPEC = "public small() { @x = 0x7: READ(); @y = 0x8: WRITE(); }"
 FT245 = ("rxf_n", "txe_n", "data_in")
@@ -70,7 +75,14 @@ def complaints(registers: Netlist, bounds: Bounds) -> list[str]:
     return sorted(told)
 
 
-def design(folder: Path, physical: str) -> Netlist:
+@cache
+def design(physical: str) -> Netlist:
+    """The smallest design with this physical layer."""
+    with tempfile.TemporaryDirectory() as folder:
+        return make_design(Path(folder), physical)
+
+
+def make_design(folder: Path, physical: str) -> Netlist:
     spec = compile_text(SPEC, "small.ul").spec
     assert spec is not None
     protocol = "framed" if physical == "rs485" else "classic"  # the smallest
@@ -84,11 +96,59 @@ def design(folder: Path, physical: str) -> Netlist:
 
 
 @pytest.mark.parametrize("physical", LAYERS)
-def test_a_design_takes_nothing_unsynchronised(tmp_path: Path, physical: str) -> None:
-    found = design(tmp_path, physical)
+def test_a_design_takes_nothing_unsynchronised(physical: str) -> None:
+    found = design(physical)
     assert not complaints(found, LAYERS[physical])
     kinds = {name.rpartition(".")[2] for register in found.registers for name in register.names}
     assert {"first", "reset_over"} <= kinds
+
+
+def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
+    (tmp_path / "panel.ul").write_text(
+        "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE(); }"
+    )
+    order = Wanted(spec_file=str(tmp_path / "panel.ul"), folder=tmp_path)
+    plan = SpecPlan(load(order.spec_file), {"protocol": "classic", "publish_mode": 0})
+    write_files(planned_files(plan, ["vhdl"]), tmp_path)
+    made = logic_of(plan, order)
+    sources = [*design_sources(plan.spec, tmp_path), *made.sources]
+    found = Netlist(netlist(made.top, sources=sources, assertions=False), made.top, tmp_path)
+    assert not complaints(found, Bounds())
+    assert {("pin", "keys"), ("pin", "button")} <= set().union(*map(Bounds().foreign, found.registers))
+
+
+CONSTRAINTS = gateware_folder() / "constraints"
+VIVADO = re.compile(r"NAME =~ (\*[^\s/]*/?\w+)_reg\*(/CLR)?")
+QUARTUS = re.compile(r"(\*[\w|*]*?\w+)\[\*\](\|clrn)?(?=[\s}])")
+
+
+def crossings() -> set[tuple[str, bool]]:
+    """Return the path of each register that takes what is foreign, and whether it is cleared."""
+    return {
+        (name.replace(".", "/"), bool(bounds.foreign(register) & register.clears))
+        for physical, bounds in LAYERS.items()
+        for register in design(physical).registers
+        if bounds.foreign(register)
+        for name in register.names
+        if name.rpartition(".")[2] in ("first", "place", "reset_over") or name.endswith("_crossed")
+    }
+
+
+@pytest.mark.parametrize(("file", "form"), [("crossings.xdc", VIVADO), ("crossings.sdc", QUARTUS)])
+def test_each_crossing_has_its_constraint_and_each_constraint_its_crossing(
+    file: str, form: re.Pattern[str]
+) -> None:
+    found = form.findall((CONSTRAINTS / file).read_text(encoding="utf-8"))
+    patterns = [(pattern.replace("|", "/"), bool(clear)) for pattern, clear in found]
+    assert len(patterns) == 4
+    bound = {
+        pattern: {
+            name for name, clears in crossings() if clears == clear and fnmatchcase("/" + name, pattern)
+        }
+        for pattern, clear in patterns
+    }
+    assert all(bound.values()), [pattern for pattern, names in bound.items() if not names]
+    assert set().union(*bound.values()) == {name for name, _ in crossings()}
 
 
 @pytest.mark.parametrize(

@@ -127,11 +127,18 @@ class WordPort:
     type: Vhdl
     path: Vhdl
     base: str
+    bits: int
+    seen: str  # the signal that has an input, synchronous to the clock
 
     @property
     def to_pc(self) -> Vhdl:
         plain = self.base in ("std_ulogic", "std_ulogic_vector")
-        return Vhdl.of("{}", self.name) if plain else Vhdl.of("{}({})", self.base, self.name)
+        return Vhdl.of("{}", self.seen) if plain else Vhdl.of("{}({})", self.base, self.seen)
+
+    @property
+    def index(self) -> Vhdl:
+        """Of a port that is one bit, in the vectors of the synchroniser."""
+        return Vhdl("(0)") if self.type == "std_ulogic" else Vhdl("")
 
     @property
     def from_pc(self) -> Vhdl:
@@ -217,7 +224,8 @@ def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list
         width = leaf.part.high - leaf.part.low + 1
         vector = Vhdl.of("std_ulogic_vector({} downto 0)", width - 1)
         kind = Vhdl("std_ulogic") if leaf.part.base == "std_ulogic" else vector
-        ports.append(WordPort(names.claim(leaf.path), kind, leaf.path, leaf.part.base))
+        name = names.claim(leaf.path)
+        ports.append(WordPort(name, kind, leaf.path, leaf.part.base, width, names.claim(f"{name}_seen")))
     return ports, others
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Projects for the tools of vendors: a script that makes the project, and a template of the constraints."""
+"""Projects for the tools of vendors: a script that makes the project, and its constraints."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from unitylink.errors import BoardError
-from unitylink.gateware import Port, gateware_sources, netlist, ports_of
+from unitylink.gateware import Port, gateware_folder, gateware_sources, netlist, ports_of
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.quoting import Tcl
 from unitylink.interface.board_configuration import BoardConfiguration
@@ -17,7 +17,9 @@ from unitylink.interface.board_configuration import BoardConfiguration
 from .folder import make_folder
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
+from .pin_timing import pin_constraints
 from .pins import CLOCKS
+from .two_way import pin_ports, with_pins
 
 BAUD_HZ = 1_000_000  # where neither the spec nor the user tells one
 
@@ -46,9 +48,12 @@ class Project:
     clock_hz: int
     baud_hz: int
     generics: Mapping[str, int]
-    sources: tuple[Path, ...]
+    sources: tuple[Path, ...]  # VHDL
+    verilog: tuple[Path, ...]  # the top level, where pins go both ways
     pins: Mapping[str, str]  # bit of a port -> site, "" where the user has to fill it in
+    ports: tuple[Port, ...]  # of the top level
     clock: str
+    physical: str
 
 
 def write_project(order: VendorOrder) -> list[Path]:
@@ -76,16 +81,25 @@ def write_project(order: VendorOrder) -> list[Path]:
     clock = next((port.name for port in ports if port.name in CLOCKS), None)
     if clock is None:
         raise BoardError(f"{logic.top} needs a port for the clock, called {' or '.join(CLOCKS)}")
+    pins = pin_ports(ports)
+    top, verilog = logic.top, []
+    if text := with_pins(top, ports, generics):
+        top = f"{logic.top}_pins"
+        verilog = [(order.folder / f"{top}.v").resolve()]
+        verilog[0].write_text(text, encoding="utf-8")
     project = Project(
         spec.name,
-        logic.top,
+        top,
         order.part,
         clock_hz,
         baud_hz,
-        generics,
+        {} if verilog else generics,
         tuple(path.resolve() for path in (*gateware_sources(), *own)),
-        _sites(ports, order.pins),
+        tuple(verilog),
+        _sites(pins, order.pins),
+        pins,
         clock,
+        configuration.physical,
     )
     made = []
     for ending, text in VENDORS[order.vendor](project).items():
@@ -106,7 +120,7 @@ def _sites(ports: Sequence[Port], wishes: Sequence[str]) -> dict[str, str]:
 
 
 def _vivado(project: Project) -> dict[str, str]:
-    part, top, clock = Tcl.text(project.part), project.top, project.clock
+    part, top = Tcl.text(project.part), project.top
     given = Tcl(" ").join(Tcl.of("{}={}", name, value) for name, value in project.generics.items())
     generics = Tcl.of(" -generic {{{}}}", given) if given else Tcl("")
     script = [
@@ -115,10 +129,12 @@ def _vivado(project: Project) -> dict[str, str]:
         ),
         Tcl.of("create_project -force {} vivado -part {}", project.name, part),
         *(Tcl.of("read_vhdl -vhdl2008 {}", Tcl.text(str(path))) for path in project.sources),
+        *(Tcl.of("read_verilog {}", Tcl.text(str(path))) for path in project.verilog),
         Tcl.of("read_xdc {}.xdc", project.name),
         Tcl.of("set_property top {} [current_fileset]", top),
         *([Tcl.of("set_property generic {{{}}} [current_fileset]", given)] if given else []),
         Tcl.of("synth_design -top {} -part {}{}", top, part, generics),
+        Tcl.of("read_xdc -unmanaged {}", Tcl.text(str(_crossings("xdc")))),
         Tcl("opt_design"),
         Tcl("place_design"),
         Tcl("route_design"),
@@ -129,10 +145,9 @@ def _vivado(project: Project) -> dict[str, str]:
         ),
         Tcl.of("write_bitstream -force {}.bit", top),
     ]
-    period = f"{1e9 / project.clock_hz:.3f}"
     constraints = [
+        *_timing(project, datapath_only=True),
         Tcl("# Fill in PACKAGE_PIN from the board's documents, and the voltage; then take the # away."),
-        Tcl.of("create_clock -name {} -period {} [get_ports {}]", clock, period, Tcl.text(clock)),
     ]
     for bit, site in project.pins.items():
         line = Tcl.of(
@@ -156,7 +171,12 @@ def _quartus(project: Project) -> dict[str, str]:
             Tcl.of("set_global_assignment -name VHDL_FILE {}", Tcl.text(str(path)))
             for path in project.sources
         ),
+        *(
+            Tcl.of("set_global_assignment -name VERILOG_FILE {}", Tcl.text(str(path)))
+            for path in project.verilog
+        ),
         Tcl.of("set_global_assignment -name SDC_FILE {}.sdc", project.name),
+        Tcl.of("set_global_assignment -name SDC_FILE {}", Tcl.text(str(_crossings("sdc")))),
         *(Tcl.of("set_parameter -name {} {}", name, value) for name, value in project.generics.items()),
         Tcl("# Fill in the pins from the board's documents, then take the # away."),
     ]
@@ -164,11 +184,19 @@ def _quartus(project: Project) -> dict[str, str]:
         line = Tcl.of("set_location_assignment PIN_{} -to {}", site or "SITE", Tcl.text(bit))
         script.append(line if site else Tcl.of("# {}", line))
     script += [Tcl("execute_flow -compile"), Tcl("project_close")]
-    period = f"{1e9 / project.clock_hz:.3f}"
-    clock = Tcl.of(
-        "create_clock -name {} -period {} [get_ports {}]", project.clock, period, Tcl.text(project.clock)
+    timing = [*_timing(project, datapath_only=False), Tcl("derive_clock_uncertainty")]
+    return {".tcl": _lines(script), ".sdc": _lines(timing)}
+
+
+def _timing(project: Project, *, datapath_only: bool) -> list[Tcl]:
+    return pin_constraints(
+        project.ports, project.clock, project.clock_hz, project.physical, datapath_only=datapath_only
     )
-    return {".tcl": _lines(script), ".sdc": _lines([clock, Tcl("derive_clock_uncertainty")])}
+
+
+def _crossings(ending: str) -> Path:
+    """Return the constraints of all clock crossings of the gateware."""
+    return (gateware_folder() / "constraints" / f"crossings.{ending}").resolve()
 
 
 def _lines(lines: Sequence[Tcl]) -> str:

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The timing of a design's pins, as constraints that Vivado and Quartus both read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from unitylink.gateware import Port
+from unitylink.generate.quoting import Tcl
+
+from .manifest import CHIP_CLOCK_HZ
+
+SPI_HZ = 25_000_000  # the fastest that spi_slave.md promises
+
+
+@dataclass(frozen=True)
+class PinTiming:
+    """The pins of a physical layer. Times are in nanoseconds, seen from the FPGA.
+
+    With the pin `clock`: `given` comes so long after its edge (falling, if `falling`), at least and at most.
+    `wanted` must stand so long before its next rising edge, and after it. Without: `given` and `wanted` may
+    take so long in the FPGA, at most.
+    """
+
+    source: str
+    given: tuple[str, ...]
+    wanted: tuple[str, ...]
+    given_ns: tuple[float, ...]
+    wanted_ns: tuple[float, ...]
+    clock: str = ""
+    clock_hz: int = 0
+    falling: bool = False
+
+
+PIN_TIMING = {
+    "ft245_sync": PinTiming(
+        "DS_FT232H 2.1, table 4.1: the chip gives 0 to 9 ns after CLKOUT, and wants 7.5 ns before it",
+        clock="ft245_clkout",
+        clock_hz=CHIP_CLOCK_HZ,
+        given=("ft245_rxf_n", "ft245_txe_n", "ft245_data_in", "ft245_data"),
+        given_ns=(0, 9),
+        wanted=("ft245_oe_n", "ft245_rd_n", "ft245_wr_n", "ft245_data_out", "ft245_data_drive", "ft245_data"),
+        wanted_ns=(7.5, 0),
+    ),
+    "spi": PinTiming(
+        "Mode 0: MOSI changes at falling edges. No standard has times; 5 ns each way are assumed",
+        clock="spi_sck",
+        clock_hz=SPI_HZ,
+        falling=True,
+        given=("spi_mosi",),
+        given_ns=(-5, 5),
+        wanted=("spi_miso",),
+        wanted_ns=(5, 0),
+    ),
+    "ft245_async": PinTiming(
+        "Generic pad_ns of ft245_async: 6 ns for a strobe and its answer, of which 4 ns on the way out",
+        given=("ft245_rxf_n", "ft245_txe_n", "ft245_data_in", "ft245_data"),
+        given_ns=(2,),
+        wanted=("ft245_rd_n", "ft245_wr_n", "ft245_data_out", "ft245_data_drive", "ft245_data"),
+        wanted_ns=(4,),
+    ),
+}
+
+
+def pin_constraints(
+    ports: Sequence[Port], clock: str, clock_hz: int, physical: str, *, datapath_only: bool
+) -> list[Tcl]:
+    """Return the clocks of a design, and how its pins stand to them. A pin that no clock binds has no path.
+
+    A two-way pin is in `ports` twice. With `datapath_only` the tool can leave the clock's own delay out, as
+    Vivado can. Only pins that the design has are named, so logic of a user may keep the layer for itself.
+    """
+    inputs = {port.name: port for port in ports if port.is_input}
+    outputs = {port.name: port for port in ports if not port.is_input}
+    lines = [_clock(inputs[clock], clock_hz)]
+    timing = PIN_TIMING.get(physical)
+    bound = {clock}
+    if timing is not None and {timing.clock, *timing.given} & inputs.keys():
+        given = [inputs[name] for name in timing.given if name in inputs]
+        wanted = [outputs[name] for name in timing.wanted if name in outputs]
+        bound |= {timing.clock, *(port.name for port in (*given, *wanted))}
+        lines.append(Tcl.of("# {}.", Tcl(timing.source)))
+        if timing.clock in inputs:
+            lines += _clocked(timing, inputs[timing.clock], given, wanted)
+        elif not timing.clock:
+            lines += _unclocked(timing, given, wanted, datapath_only=datapath_only)
+    free = [(way, ports) for way, ports in (("from", inputs), ("to", outputs)) if ports.keys() - bound]
+    if free:
+        lines.append(Tcl("# These go with no clock outside of the FPGA; inputs pass a synchroniser."))
+    for way, known in free:
+        lines += [
+            Tcl.of("set_false_path -{} {}", way, _ports([port]))
+            for name, port in known.items()
+            if name not in bound
+        ]
+    return lines
+
+
+def _clocked(timing: PinTiming, clock: Port, given: Iterable[Port], wanted: Iterable[Port]) -> list[Tcl]:
+    edge = Tcl(" -clock_fall") if timing.falling else Tcl("")
+    (least, most), (before, after) = timing.given_ns, timing.wanted_ns
+    delays = (
+        ("input", edge, "min", least, given),
+        ("input", edge, "max", most, given),
+        ("output", Tcl(""), "min", -after, wanted),
+        ("output", Tcl(""), "max", before, wanted),
+    )
+    pattern = "set_{}_delay -clock {}{} -{} {} {}"
+    return [_clock(clock, timing.clock_hz)] + [
+        Tcl.of(pattern, way, timing.clock, turned, bound, Tcl(f"{ns:g}"), _ports(ports))
+        for way, turned, bound, ns, ports in delays
+    ]
+
+
+def _unclocked(
+    timing: PinTiming, given: Iterable[Port], wanted: Iterable[Port], *, datapath_only: bool
+) -> list[Tcl]:
+    only = Tcl(" -datapath_only") if datapath_only else Tcl("")
+    (inwards,), (outwards,) = timing.given_ns, timing.wanted_ns
+    pattern = "set_max_delay{} -from {} -to {} {}"
+    return [
+        Tcl.of(pattern, only, _ports(given), Tcl("[all_registers]"), Tcl(f"{inwards:g}")),
+        Tcl.of(pattern, only, Tcl("[all_registers]"), _ports(wanted), Tcl(f"{outwards:g}")),
+    ]
+
+
+def _clock(port: Port, hz: int) -> Tcl:
+    return Tcl.of("create_clock -name {} -period {} {}", port.name, Tcl(f"{1e9 / hz:.3f}"), _ports([port]))
+
+
+def _ports(ports: Iterable[Port]) -> Tcl:
+    """Return these ports with all their bits."""
+    names = [Tcl.of("{}[*]", port.name) if port.bits > 1 else Tcl.of("{}", port.name) for port in ports]
+    return Tcl.of("[get_ports {{{}}}]", Tcl(" ").join(names))
