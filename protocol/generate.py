@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write protocol.toml out for Python, C++, VHDL and the documentation: constants, and the table of settings.
+"""Write protocol.toml for Python, C++, VHDL and the documentation: its constants, and the table of settings.
 
     python protocol/generate.py            write what is stale
     python protocol/generate.py --check    write nothing, name what is stale, exit 1 if anything is
 
-One function per artefact; the table goes in, text comes out, so that the same input gives the same bytes.
+There is one function for each artefact. It takes the table and returns a text, so the same input gives the
+same bytes.
 """
 
 from __future__ import annotations
@@ -144,7 +145,7 @@ def vhdl_text(table: Table) -> str:
                 kind, text = "string", f'"{value}"'
             elif section in ("bytes", "crc8", "datalink_error"):
                 kind, text = "byte_t", f'x"{value:02X}"'
-            elif value >= 2**31:  # more than a natural holds
+            elif value >= 2**31:  # too large for the type natural
                 kind, text = "std_logic_vector(31 downto 0)", f'x"{value:08X}"'
             else:
                 kind, text = "natural", str(value)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is made from the table of settings: a row of it is all that a new setting takes, beside its use."""
+"""Generate what follows from the table of settings.
+
+A new setting needs one row in it, beside the code that uses it.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ Row = dict[str, Any]
 Settings = dict[str, Row]
 
 NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit there."
-LINE = 120  # columns of a line of VHDL or C++
-GROUPS_MOST = 256  # bits of a row of the type `groups`
+LINE = 120  # longest line of VHDL or C++
+GROUPS_MOST = 256  # width of the type `groups` in bits
 MANUAL = (
     "The settings fix what a device is built with. A setting has the same name, range and default",
     "everywhere:",
@@ -41,7 +44,7 @@ MANUAL = (
     "",
     "Read the columns *unit* and *meaning* together: 8 *bits of a word's address*.",
 )
-RESERVED = {"xor": "exclusive_or"}  # a choice that is a keyword of C++
+RESERVED = {"xor": "exclusive_or"}  # a choice whose name is a keyword of C++
 
 
 def needed_by(settings: Settings, *who: str) -> Settings:
@@ -58,7 +61,7 @@ def meaning(row: Row) -> str:
 
 
 def described(declared: str, comment: str) -> list[str]:
-    """Return a declaration with its comment: behind it where that fits, else above it."""
+    """Return a declaration with its comment. The comment is beside it if that fits, else above it."""
     beside = f"{declared}  {comment}"
     indent = declared[: len(declared) - len(declared.lstrip())]
     return [beside] if len(beside) <= LINE else [indent + comment, declared]
@@ -115,7 +118,7 @@ def python_text(settings: Settings) -> str:
 
 
 def python_row(name: str, row: Row) -> list[str]:
-    """Return a row in few lines: the formatter would take a line for each of its fields."""
+    """Return a row in few lines. The formatter would take a line for each of its fields."""
     default = () if row["type"] == "groups" else row["default"]
     first = [name, row["type"], default, row["unit"], tuple(row["needed_by"]), tuple(row["changed_by"])]
     more: dict[str, Any] = {}
@@ -149,7 +152,7 @@ def python_literal(value: Any) -> str:
 
 
 def cpp_text(settings: Settings) -> str:
-    """Return the structure of the twin, how to visit its fields, and the limits of what is counted."""
+    """Return the structure of the twin, the code that visits its fields, and the limits of the numbers."""
     needed = needed_by(settings, "twin", "line")
     lines = [
         "// SPDX-License-Identifier: BSD-3-Clause",
@@ -224,7 +227,9 @@ def camel(name: str) -> str:
 
 
 def vhdl_text(settings: Settings) -> str:
-    """Return the record of the core, and the function that makes one from what differs from the defaults."""
+    """Return the record of the core, and the function that makes one from the settings that differ from the
+    defaults.
+    """
     needed = needed_by(settings, "core")
     width = max(map(len, needed))
     lines = [
@@ -313,7 +318,7 @@ def vhdl_type(name: str, row: Row) -> str:
 
 
 def vhdl_literal(name: str, kind: str, value: Any) -> str:
-    """Return `value` of the setting `name` as VHDL has it."""
+    """Return `value` of the setting `name` as a VHDL literal."""
     if kind == "switch":
         return str(value).lower()
     if kind == "choice":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What all tests share: nothing is judged by how long it took, for the machine may be busy."""
+"""What all tests share. No test judges how long something took, because the machine may be busy."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 ROOT = Path(__file__).resolve().parents[1]
-SHORT_RUN_S = 300  # of which nobody wants to know the slowest files
+SHORT_RUN_S = 300  # after a shorter run, the slowest files are not printed
 
 
 def built(name: str) -> Path:
-    """Return a file of the native build by its name. All of it is built if it is not there."""
+    """Return a file of the native build by its name. Everything is built if the file is not there."""
     file = ROOT / "build" / "native" / name
     if not file.exists():
         subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
@@ -45,7 +45,9 @@ def fake_spidev() -> Path:
 
 @pytest.fixture
 def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
-    """Run a program that has /dev/spidev0.0: spi_client(code, port=5555) returns what it prints."""
+    """Return a function that runs a program with /dev/spidev0.0: `spi_client(code, port=5555)` returns its
+    output.
+    """
     log, file = tmp_path / "spi.log", tmp_path / "spidev"
     file.touch()
 
@@ -70,7 +72,7 @@ def program() -> Callable[[str], Path]:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Name the folders and files whose tests took longest, for what becomes slow shall be seen."""
+    """Name the folders and files whose tests took longest, so that a slow test is noticed."""
     took: Counter[Path] = Counter()
     for reports in terminalreporter.stats.values():
         for report in reports:
@@ -87,6 +89,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
             terminalreporter.write_line(f"{seconds:6.0f} s  {path}")
 
 
-# A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.
+# A shell starts background jobs with interrupts ignored. Here they are handled, also by programs that a test
+# starts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

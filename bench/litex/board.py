@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The far end of LiteX's Etherbone, an instant device on UDP; the packets are those of the package itself.
+"""The far end of LiteX's Etherbone: an instant device on UDP. LiteX's own package makes the packets.
 
-Prints HOST:PORT, serves until standard input ends. Word n holds 0x40DE0000 + n until it is written, as that
-of `bench/native/bench_uartbone.cpp` does.
+It prints HOST:PORT and serves until standard input ends. Word n holds 0x40DE0000 + n until it is written, as
+in `bench/native/bench_uartbone.cpp`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ WIDTH = 32
 
 
 def answer(words: dict[int, int], request: bytes) -> bytes | None:
-    """Do what a request asks for; return what is said to that, if anything is."""
+    """Do what a request asks for. Return the answer, or None if there is none."""
     packet = EtherbonePacket(WIDTH, request)
     packet.decode()
     reply = EtherbonePacket(WIDTH)
@@ -42,7 +42,8 @@ def answer(words: dict[int, int], request: bytes) -> bytes | None:
 def told(words: dict[int, int], reads: Any) -> EtherboneRecord:
     numbers = [address // 4 for address in reads.get_addrs()]
     values = [words.get(number, FIRST + number) for number in numbers]
-    id_of_read = int.from_bytes(reads.bytes[: WIDTH // 8], "big")  # the package's decoder leaves it
+    # the package's decoder leaves this part undecoded
+    id_of_read = int.from_bytes(reads.bytes[: WIDTH // 8], "big")
     record = EtherboneRecord(WIDTH // 8)
     record.writes = EtherboneWrites(WIDTH // 8, base_addr=id_of_read, datas=values)
     record.wcount = len(values)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Times LiteX's CommUART: `client.py PTY`, then one line `COUNT WORDS` on standard input for each series.
+"""Time LiteX's CommUART: `client.py PTY`, then one line `COUNT WORDS` on standard input for each series.
 
-Prints the time of each of COUNT calls in ns on one line. WORDS 0 is the single read `read(address)`, the
-call LiteX has for one register; otherwise `read(address, WORDS)`, its best call for a block. Every value is
-compared with what the emulator holds, outside the timed part.
+It prints the time of each of COUNT calls in ns, on one line. With WORDS 0 the call is `read(address)`,
+LiteX's call for one register. Otherwise it is `read(address, WORDS)`, its best call for a block. Every value
+is compared with what the emulator holds, outside of the timed part.
 """
 
 from __future__ import annotations

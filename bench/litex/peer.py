@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What others do on a wire: `peer.py uart|server|script PTY` or `peer.py udp|packets|server-udp HOST:PORT`.
+"""The other clients on a wire: `peer.py uart|server|script PTY` or
+`peer.py udp|packets|server-udp HOST:PORT`.
 
-uart: LiteX's CommUART. server: its RemoteClient over Etherbone to its litex_server, which has the port.
-udp, server-udp: the same with its CommUDP instead, which is Etherbone on the wire.
-packets: CommUDP, but scattered reads go in one packet, put together with LiteX's own classes.
-script: what one writes with pyserial, on the classic protocol, without a timeout's handling or a checksum.
+uart: LiteX's CommUART. server: LiteX's RemoteClient over Etherbone to its litex_server, which opens the port.
+udp, server-udp: the same with CommUDP instead, which sends Etherbone on the wire. packets: CommUDP, but
+scattered reads go in one packet, made with LiteX's own classes. script: what a user writes with pyserial on
+the classic protocol. It handles no timeout and has no checksum.
 
-Lines on standard input, an answer each. "times OPERATION COUNT" gives the time of each call in ns; "read
-WORD" and "write WORD VALUE" say what came: a number, "done", or the error. "another" goes on with a second
-client of the server, "stop" ends the server. Operations: read; write (LiteX acknowledges none, so it is
-read back); block (255 words, their best call); cycle (18 scattered reads and 18 writes). Values are compared
+Each line on standard input gets an answer. "times OPERATION COUNT" gives the time of each call in ns. "read
+WORD" and "write WORD VALUE" give a number, "done", or the error. "another" continues with a second client of
+the server. "stop" ends the server. The operations are: read; write (LiteX acknowledges none, so it is read
+back); block (255 words, LiteX's best call); cycle (18 scattered reads and 18 writes). Values are compared
 outside of the timed part.
 """
 
@@ -32,7 +33,7 @@ WRITES = [0x200 + 5 * n for n in range(18)]
 
 
 class Litex:
-    """A LiteX client, whose addresses are those of bytes."""
+    """A LiteX client. Its addresses count bytes."""
 
     def __init__(self, client: Any) -> None:
         self.client = client
@@ -58,10 +59,12 @@ class Litex:
 
 
 class Packets(Litex):
-    """Etherbone at its best: what its packets can and CommUDP does not offer, many addresses in a read.
+    """Etherbone at its best: one read has many addresses.
 
-    Writes stay a packet each: a record writes words that lie together, and a packet for LiteX's gateware has
-    one record.
+    Its packets can do that, but CommUDP does not offer it.
+
+    Each write stays a packet of its own. A record writes only neighbouring words, and a packet for LiteX's
+    gateware has one record.
     """
 
     def cycle(self, number: int) -> list[int]:
@@ -82,7 +85,7 @@ class Packets(Litex):
 
 
 class Script:
-    """The classic protocol by hand."""
+    """The classic protocol, written by hand."""
 
     def __init__(self, path: str) -> None:
         import serial
@@ -112,7 +115,10 @@ class Script:
 
 
 def comm_udp(place: str) -> Any:
-    """Return a CommUDP whose own port is any: its own choice is the device's, which this machine has."""
+    """Return a CommUDP with any free port.
+
+    Its own choice is the device's port, which this machine already uses.
+    """
     from litex.tools.remote.comm_udp import CommUDP
 
     host, _, port = place.rpartition(":")
@@ -124,7 +130,7 @@ def comm_udp(place: str) -> Any:
 
 
 def serve_udp(place: str, bind_port: int) -> None:
-    """Be litex_server on UDP: what its command does, with that CommUDP."""
+    """Serve as litex_server on UDP: do what its command does, with that CommUDP."""
     from litex.tools.litex_server import RemoteServer
 
     server = RemoteServer(comm_udp(place), "127.0.0.1", bind_port)
@@ -134,7 +140,7 @@ def serve_udp(place: str, bind_port: int) -> None:
 
 
 class Server:
-    """litex_server on the port or the network, and clients of it."""
+    """A litex_server on the port or the network, and clients of it."""
 
     def __init__(self, kind: str, place: str) -> None:
         with socket.socket() as probe:
@@ -147,7 +153,7 @@ class Server:
         else:
             arguments = [__file__, "serve", place, str(self._port)]
         command = [sys.executable, *arguments]
-        # What it prints is not looked at, but a thread of it that ends says so there.
+        # Nothing reads what it prints, but a thread of it that dies prints a message there.
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
         self._process = subprocess.Popen(command, **quiet)
         for _ in range(100):

@@ -33,7 +33,7 @@ def main() -> int:
             led.write(pattern)
             print(f"LEDs {pattern:04b}, up for {uptime_ms.read()} ms")
         pressed: queue.SimpleQueue[int] = queue.SimpleQueue()
-        buttons.on_change(pressed.put)  # starts what the spec publishes
+        buttons.on_change(pressed.put)  # this starts the publishes of the spec
         try:
             print(f"buttons {pressed.get(timeout=2.0):04b}")
         except queue.Empty:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Geometry of the PA10 (seven joints, turning about z and y in turn) and a path for two of them.
+"""Geometry of the PA10 and a path for two of them. Its seven joints turn about z and y by turns.
 
-Lengths in m, angles in rad; x points to what the arms work on, z up.
+Lengths are in m, angles in rad. x points to the work of the arms, z points up.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SHOULDER, UPPER, FORE, HAND = 0.317, 0.45, 0.48, 0.13
-BASES = np.array([[0.0, 0.45, 0.0], [0.0, -0.45, 0.0]])  # of the left and the right arm
+BASES = np.array([[0.0, 0.45, 0.0], [0.0, -0.45, 0.0]])  # for the left and the right arm
 REST = np.array([0.0, 0.5, 0.0, 1.4, 0.0, 0.8, 0.0])
 RADIUS, CENTRE_Z = 0.14, 0.62
-HANDS_APART = 0.1  # while they go around
+HANDS_APART = 0.1  # in m, while they go around
 
 
 def points(joints: Array) -> Array:
@@ -52,9 +52,12 @@ def _turn(axis: str, angle: Array) -> Array:
 
 
 def follow(targets: Array, start: Array) -> Array:
-    """Return joint angles (n, 7) that bring the hand to `targets` (n, 3), each from the one before.
+    """Return joint angles (n, 7) that bring the hand to `targets` (n, 3).
 
-    Seven joints for three coordinates: of the many ways the one nearest to `start` (damped least squares).
+    Each row starts from the row before.
+
+    Seven joints for three coordinates have many solutions. This takes the one nearest to `start` (damped
+    least squares).
     """
     joints, way = start.copy(), []
     for target in targets:
@@ -71,8 +74,10 @@ def follow(targets: Array, start: Array) -> Array:
 
 
 def demonstration(period_s: float, pace: float = 1.0) -> Array:
-    """Return joint angles (n, 2, 7): from rest to a circle, around it hand in hand, and back to rest;
-    `pace` 2 is twice as fast."""
+    """Return joint angles (n, 2, 7): from rest to a circle, around it hand in hand, and back to rest.
+
+    `pace` 2 is twice as fast.
+    """
 
     def ease(duration_s: float) -> Array:
         steps = round(duration_s / pace / period_s)
@@ -86,7 +91,8 @@ def demonstration(period_s: float, pace: float = 1.0) -> Array:
         grip = circle + np.array([0.0, HANDS_APART / 2 * np.sign(base[1]), 0.0]) - base
         start = follow(grip[:1], REST)[0]
         around = follow(grip, start)
-        around[:, 6] = 0.35 * np.sin(turn) * np.sign(base[1])  # the last joint turns the hand where it is
+        # the last joint turns the hand without moving it
+        around[:, 6] = 0.35 * np.sin(turn) * np.sign(base[1])
         reach = REST + ease(1.6)[:, None] * (start - REST)
         back = around[-1] + ease(1.6)[:, None] * (REST - around[-1])
         arms.append(np.concatenate([reach, around, back]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The motion as a picture: both arms in space with the way of their hands, and all joints over time."""
+"""The motion as a picture: both arms in space with the paths of their hands, and all joints over time."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def save(run: Run, path: Path) -> None:
 
 
 def draw_arms(axes: Any, run: Run) -> None:
-    """Draw the arms at rest (pale) and four times on the circle, and the way of the hands."""
+    """Draw the arms at rest (pale) and at four places on the circle, and the paths of the hands."""
     way = hands(run.measured)
     for arm, (colour, name) in enumerate(zip(COLOURS, ("left arm", "right arm"), strict=True)):
         for at in (0.0, 0.32, 0.44, 0.56):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two PA10 arms, each on its own link, as one robot: hand in hand around a circle.
+"""Two PA10 arms, each on its own link, move as one robot: hand in hand around a circle.
 
     python examples/pa10/run.py                                    # our language: one spec, two links
     python examples/pa10/run.py --spec pa10.ul                     # the published one: a spec for each arm
     python examples/pa10/run.py --left tcp://192.168.1.10:5555 --right tcp://192.168.1.11:5555
 
-Every set-point of the fourteen joints is one write: a burst and a commit on each link, at the same time.
-Ends with 1 where an arm did not get home or the hands did not stay together.
+The set-points of all fourteen joints are one write: a burst and a commit on each link, at the same time. The
+exit code is 1 if an arm did not get home or the hands did not stay together.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ from unitylink.spec import load
 from unitylink.spec.model import Spec
 
 HERE = Path(__file__).resolve().parent
-PERIOD_S = 0.02  # of the set-points
+PERIOD_S = 0.02  # time from one set-point to the next
 SETTLE_S = 2.0
-COUNT = 0.0001  # rad of a count of pa10.ul
+COUNT = 0.0001  # rad for each count of pa10.ul
 SIDES = ("left", "right")
 
 
 @dataclass(frozen=True)
 class Run:
-    """What was asked and published: angles (n, 2, 7) in rad, times (n,) in s from the start."""
+    """The set-points and the published values: angles (n, 2, 7) in rad, times (n,) in s from the start."""
 
     asked_s: Array
     asked: Array
     measured_s: Array
     measured: Array
-    home: Array  # (2, 7), read at the end: publishes that wait for their callback would be late for that
+    home: Array  # (2, 7), read at the end, because publishes may still wait for their callback then
     lost: int
-    apart_us: float  # the two links' parts of one snapshot
+    apart_us: float  # time between the two links' parts of one snapshot
 
     def asked_at_publishes(self) -> Array:
         """Return the set-points in force at each publish, (n, 2, 7)."""
@@ -51,10 +51,10 @@ class Run:
 
 
 class Pair:
-    """Both arms in radians, whichever of the two specs describes them."""
+    """Both arms in radians, with either of the two specs."""
 
     def __init__(self, spec: Spec, links: dict[str, Link]) -> None:
-        self.link = links[SIDES[0]]  # keeps the time
+        self.link = links[SIDES[0]]  # this link gives the time
         self.nodes: list[Node] = []
         for side in SIDES:
             root = f"{side}_arm" if len(spec.roots) == 2 else None
@@ -67,7 +67,7 @@ class Pair:
         self.limits = ValueGroup({f"{n}": value for n, value in enumerate(limits)}, "speed limits")
 
     def _both(self, name: str) -> ValueGroup:
-        """Return a group of one value of every joint of both arms."""
+        """Return a group with one value of every joint of both arms."""
         values: dict[str, Value[float]] = {}
         for side, node in zip(SIDES, self.nodes, strict=True):
             group = node[name]
@@ -76,7 +76,7 @@ class Pair:
         return ValueGroup(values, name)
 
     def write(self, group: ValueGroup, angles: Array) -> None:
-        """Write rad or rad/s; counts are whole."""
+        """Write angles in rad or speeds in rad/s. Counts are rounded to whole numbers."""
         flat = angles.ravel() / self.scale
         group.write([float(v) if self.scale == 1.0 else round(v) for v in flat])
 
@@ -86,7 +86,7 @@ class Pair:
 
 
 def drive(pair: Pair, pace: float) -> Run:
-    """Stream the demonstration's set-points, and keep what is published."""
+    """Stream the demonstration's set-points, and keep the published values."""
     samples: list[tuple[float, Snapshot]] = []
     asked_s: list[float] = []
     asked: list[Array] = []
@@ -96,7 +96,7 @@ def drive(pair: Pair, pace: float) -> Run:
     pair.positions.on_publish(lambda time_s, values: samples.append((time_s, values)))
     start = due = pair.link.now_s()
     for joints in demonstration(PERIOD_S, pace):
-        due = max(due + PERIOD_S, pair.link.now_s())  # who is late moves slower, and does not jump
+        due = max(due + PERIOD_S, pair.link.now_s())  # a late program moves slower, but does not jump
         pair.link.sleep_until(due)
         pair.write(pair.set_points, joints)
         asked_s.append(pair.link.now_s() - start)
@@ -120,7 +120,7 @@ def drive(pair: Pair, pace: float) -> Run:
 
 
 def wait_until(pair: Pair, target: Array) -> Snapshot:
-    """Return a snapshot of both arms when all joints are at `target`, or the time is over."""
+    """Return a snapshot of both arms when all joints are at `target`, or when the time is over."""
     deadline = pair.link.now_s() + SETTLE_S
     while True:
         snapshot = pair.positions.snapshot()
@@ -130,9 +130,9 @@ def wait_until(pair: Pair, target: Array) -> Snapshot:
 
 
 def tell(run: Run) -> bool:
-    """Print what happened; return whether both arms are home and the hands stayed together."""
+    """Print what happened. Return whether both arms are home and the hands stayed together."""
     asked = run.asked_at_publishes()
-    together = np.abs(hands_apart(asked) - HANDS_APART) < 1e-3  # as asked: on the circle
+    together = np.abs(hands_apart(asked) - HANDS_APART) < 1e-3  # the set-points on the circle
     if not together.any():
         raise LinkTimeout(f"none of {len(asked)} publishes came while the hands went around", item="pa10")
     gap_mm = 1e3 * hands_apart(run.measured)[together]
@@ -168,7 +168,7 @@ def main() -> int:
         run = drive(Pair(spec, {"left": left, "right": right}), options.pace)
     there = tell(run)
     if options.picture:
-        from picture import save  # only here: matplotlib is not needed to move
+        from picture import save  # imported only here, because moving does not need matplotlib
 
         save(run, options.picture)
         print(f"  picture: {options.picture}")

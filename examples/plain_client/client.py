@@ -14,12 +14,12 @@ def check(body: bytes, epoch: int) -> bytes:  # CRC-16/MCRF4XX in three bytes wi
     return bytes(0x80 | epoch >> shift & 0x7F for shift in (0, 7, 14))
 
 
-def frame(kind: int, payload: bytes, epoch: int) -> bytes:  # payloads below 254 bytes: a block a zero
+def frame(kind: int, payload: bytes, epoch: int) -> bytes:  # payload below 254 bytes: a block for each zero
     body = bytes([kind]) + b"".join(bytes([len(p) + 1]) + p for p in payload.split(b"\0"))
     return body + check(body, epoch) + b"\0"
 
 
-def unframe(piece: bytes, epoch: int) -> tuple[int, bytes]:  # kind 0: not a frame of this session
+def unframe(piece: bytes, epoch: int) -> tuple[int, bytes]:  # kind 0 means: not a frame of this session
     body, payload, at = piece[:-3], b"", 1
     if len(piece) < 5 or check(body, epoch) != piece[-3:]:
         return 0, b""
@@ -41,7 +41,7 @@ class Client:
         self.epoch = epoch
 
     def ask(self, kind: int, payload: bytes, wanted) -> tuple[int, bytes]:
-        for _ in range(5):  # the same bytes again: the device executes them once
+        for _ in range(5):  # send the same bytes again; the device executes them once
             self.socket.sendall(b"\0" + frame(kind, payload, self.epoch))
             try:
                 while chunk := self.socket.recv(4096):

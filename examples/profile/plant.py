@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What profile_player.vhd does, behind the virtual board."""
+"""Do what profile_player.vhd does, behind the virtual board."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Plant:
 
     def __init__(self) -> None:
         self.position = 0
-        self.index = POINTS  # of the point that is next; beyond the last: not playing
+        self.index = POINTS  # number of the next point; beyond the last one, nothing plays
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the words by their names."""
@@ -23,11 +23,11 @@ class Plant:
         self.address = {path: element.address for path, element in spec.walk()}
 
     def step(self, time_s: float) -> None:
-        """Go a quarter of the way to the next point, and queue where that is."""
+        """Go a quarter of the way to the next point, and put the new position into the queue."""
         words, at = self.registers, self.address
         if self.index < POINTS:
             word = words[at[f"table.point[{self.index}]"]]
-            goal = ((word & 0xFFFF) ^ 0x8000) - 0x8000  # an i16 lies in the low half of its word
+            goal = ((word & 0xFFFF) ^ 0x8000) - 0x8000  # an i16 is in the low half of its word
             self.position += (goal - self.position) >> 2
             words[at["samples.position"]] = self.position
             self.index += 1

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a table of set-points in one go, lets the FPGA play it, and gets every sample, none twice.
+"""Write a table of set-points in one go, let the FPGA play it, and get every sample exactly once.
 
 python examples/profile/run.py          # on a virtual board
 python examples/profile/run.py --rtl    # on the VHDL itself, generated and hand-written, compiled
 
-Ends with 1 where a sample is missing or not what the axis does.
+The exit code is 1 if a sample is missing or does not fit the axis.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ PATIENCE_S = 10.0
 
 
 def play(board: Node) -> bool:
-    """Play all curves; return whether every sample came and is what it has to be."""
+    """Play all curves. Return whether every sample came and is correct."""
     points, start, position = board["curve"], board["play"], board["samples.position"]
     assert isinstance(points, ValueGroup)
     assert isinstance(start, PulseValue) and isinstance(position, ReadValue)
@@ -43,7 +43,7 @@ def play(board: Node) -> bool:
     position.on_publish(lambda _, mrad: samples.put(mrad))
     good, expected = True, 0
     for name, curve in CURVES.items():
-        points.write(curve)  # a burst and one commit: the FPGA sees the old table or the new one
+        points.write(curve)  # a burst and one commit, so the FPGA sees either the old table or the new one
         start.pulse()
         came = [samples.get(timeout=PATIENCE_S) for _ in range(POINTS)]
         due = []
@@ -58,7 +58,7 @@ def play(board: Node) -> bool:
 
 
 def picture(mrad: int) -> str:
-    """Return a character as high as a position."""
+    """Return a character whose height shows a position."""
     return "▁▂▃▄▅▆▇█"[min(7, max(0, (mrad + 1000) // 250))]
 
 

@@ -16,9 +16,9 @@ FOREARM_MM = 200.0
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint as its encoder counts it."""
+    """A joint with the counts of its encoder."""
 
-    name: str  # in the spec
+    name: str  # its name in the spec
     role: str
     unit: str
     counts_per_unit: float
@@ -52,7 +52,7 @@ def tool_position(shoulder_deg: Array, elbow_deg: Array) -> tuple[Array, Array]:
 
 
 def joint_angles(x_mm: Array, y_mm: Array) -> tuple[Array, Array]:
-    """Return shoulder and elbow in degrees for a tool position within reach, the elbow bent to the left.
+    """Return shoulder and elbow in degrees for a tool position within reach. The elbow bends to the left.
 
     >>> shoulder, elbow = joint_angles(np.array(250.0), np.array(200.0))
     >>> round(float(shoulder)), round(float(elbow))

@@ -21,7 +21,7 @@ def ease(duration_s: float, period_s: float) -> Array:
 
 
 def flower(progress: Array) -> Array:
-    """Return joint positions (n, 4) on the flower; the tool keeps pointing outwards."""
+    """Return joint positions (n, 4) on the flower. The tool keeps pointing outwards."""
     turn = 2 * np.pi * progress
     radius = RADIUS_MM * (0.74 + 0.26 * np.cos(PETALS * turn))
     x, y = CENTRE_MM[0] + radius * np.cos(turn), CENTRE_MM[1] + radius * np.sin(turn)
@@ -30,12 +30,15 @@ def flower(progress: Array) -> Array:
 
 
 def move(start: Array, end: Array, duration_s: float, period_s: float) -> Array:
-    """Return joint positions (n, 4) from after `start` to `end`, all joints together."""
+    """Return joint positions (n, 4) from just after `start` to `end`. All joints move together."""
     return start + ease(duration_s, period_s)[:, None] * (end - start)
 
 
 def demonstration(period_s: float) -> list[tuple[str, Array]]:
-    """Return (what it is, joint positions (n, 4) in deg, deg, mm, deg), one row each `period_s`."""
+    """Return (name, joint positions (n, 4) in deg, deg, mm, deg) for each part of the path.
+
+    There is one row each `period_s`.
+    """
     down = flower(np.array([0.0]))[0]
     up = down * [1, 1, 0, 1]
     return [

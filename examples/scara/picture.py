@@ -59,7 +59,7 @@ def save(run: Run, path: Path) -> None:
 
 
 def draw_tool(axes: Axes, run: Run) -> None:
-    """Draw the tool's path seen from above, and the arm where it draws."""
+    """Draw the tool's path seen from above, and the arm at the place where it draws."""
     asked_x, asked_y = tool_position(run.asked[:, 0], run.asked[:, 1])
     x, y = tool_position(run.measured[:, 0], run.measured[:, 1])
     down = run.measured[:, 2] > DEPTH_MM / 2

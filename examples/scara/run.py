@@ -5,8 +5,8 @@
     python examples/scara/run.py --rtl                                       # the gateware's VHDL, compiled
     python examples/scara/run.py --link "serial:/dev/ttyUSB0?baud=3000000"   # the robot itself
 
-Four joints follow a path, each set-point one burst and one commit on the TosNet network; their positions come
-back as isochronous publishes at 100 Hz. Ends with 1 where the robot did not get there.
+Four joints follow a path. Each set-point is one burst and one commit on the TosNet network. The positions
+come back as isochronous publishes at 100 Hz. The exit code is 1 if the robot did not reach its target.
 """
 
 from __future__ import annotations
@@ -37,17 +37,20 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 SPEC = HERE / "scara.ul"
-PERIOD_S = 0.02  # of the set-points
+PERIOD_S = 0.02  # time from one set-point to the next
 SPEED_LIMIT = (180.0, 240.0, 250.0, 400.0)  # per joint, in its unit per second
-SETTLE_S = 2.0  # for the last set-point to be reached
-TOLERANCE = 0.1  # deg or mm: there it is
+SETTLE_S = 2.0  # time to reach the last set-point
+TOLERANCE = 0.1  # deg or mm; within this, the robot is there
 
 
 @dataclass(frozen=True)
 class Run:
-    """What was asked and what came back; times in s from the start, positions in deg, deg, mm, deg."""
+    """The set-points and the measured values.
 
-    phases: tuple[tuple[str, float], ...]  # name, when it began
+    Times are in s from the start, positions in deg, deg, mm, deg.
+    """
+
+    phases: tuple[tuple[str, float], ...]  # (name, time at which it began)
     asked_s: Array
     asked: Array
     measured_s: Array
@@ -57,12 +60,12 @@ class Run:
     snapshot: Array
 
     def asked_at(self, times_s: Array) -> Array:
-        """Return the set-points in force at some times, shape (n, 4)."""
+        """Return the set-points in force at these times, shape (n, 4)."""
         index = np.searchsorted(self.asked_s, times_s, side="right") - 1
         return np.where(index[:, None] < 0, self.asked[0], self.asked[np.maximum(index, 0)])
 
     def tracking_error(self) -> Array:
-        """Return measured minus asked at each publish, shape (n, 4)."""
+        """Return measured minus set-point at each publish, shape (n, 4)."""
         error: Array = self.measured - self.asked_at(self.measured_s)
         return error
 
@@ -87,7 +90,7 @@ def make_robot(link: Link, folder: Path) -> Scara:
 
 
 def drive(robot: Scara, link: Link) -> Run:
-    """Stream the demonstration's set-points, and keep what is published."""
+    """Stream the demonstration's set-points, and keep the published values."""
     parts = (robot.j1, robot.j2, robot.j3, robot.j4)
     set_points = ValueGroup([part.pos_sp for part in parts], "set-points")
     ValueGroup([part.spd_sp for part in parts], "speed limits").write(
@@ -131,7 +134,7 @@ def positions_in(values: Snapshot) -> Array:
 
 
 def wait_until_there(robot: Scara, link: Link, target: Array) -> Array:
-    """Return the joint positions of one consistent snapshot, when all are there or the time is over."""
+    """Wait until all joints are there or the time is over. Return their positions, from one snapshot."""
     deadline = link.now_s() + SETTLE_S
     while True:
         there = positions_in(robot.snapshot())
@@ -141,7 +144,7 @@ def wait_until_there(robot: Scara, link: Link, target: Array) -> Array:
 
 
 def tell(run: Run) -> bool:
-    """Print what happened in terms of the robot; return whether it got there."""
+    """Print what happened in terms of the robot. Return whether it reached its target."""
     error = run.tracking_error()
     print("\n  joint          set-point   reached     error    on the way: rms, largest")
     for column, joint in enumerate(JOINTS):
@@ -165,7 +168,7 @@ def tell(run: Run) -> bool:
 
 
 def tell_times(board: Board, real_s: float) -> None:
-    """Print robot time, which is the board's own, beside real time."""
+    """Print the robot's time, which is the board's own, beside real time."""
     clock_hz, time_s = board.configuration.clock_hz, board.time_s
     clocks = f"{time_s * clock_hz:,.0f} clocks of {clock_hz / 1e6:g} MHz"
     print(f"  robot time {time_s:.2f} s ({clocks}), real time {real_s:.2f} s")
@@ -215,7 +218,7 @@ def main() -> int:
             tell_times(link.board, time.monotonic() - started)
     there = tell(run)
     if options.picture:
-        from picture import save  # only here: matplotlib is not needed to move a robot
+        from picture import save  # imported only here, because moving a robot does not need matplotlib
 
         save(run, options.picture)
         print(f"  picture: {options.picture}")

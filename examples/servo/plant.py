@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the board would be bolted to: servo 0 turns the wheel, and at either end the limit switch closes."""
+"""The machine on which the board would be mounted: servo 0 turns the wheel, and at either end the limit
+switch closes.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from unitylink.spec import Spec
 
 ENABLED_AS_SERVO = 0b11
 CENTRE_US = 1500
-COUNTS_A_US = 2  # the wheel, for each microsecond of pulse away from the centre
+COUNTS_A_US = 2  # counts of the wheel for each microsecond of pulse away from the centre
 SPEED = 4000.0  # counts a second
 LIMIT = 1600  # counts
 
@@ -42,4 +44,4 @@ class Plant:
         words[at["trips"]] = self.trips
         words[at["uptime_ms"]] = round(time_s * 1000)
         if tripped:
-            words.event(self.events["limit"])  # as the line of this name does in servo_board.vhd
+            words.event(self.events["limit"])  # servo_board.vhd has a line of this name that does the same

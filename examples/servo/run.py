@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sweeps a servo, watches the wheel it turns, and hears of the limit switch without asking.
+"""Sweep a servo, watch the wheel that it turns, and get the limit switch's events without polling.
 
 python examples/servo/run.py
 python examples/servo/run.py --link "serial:/dev/ttyUSB0?baud=1000000"
@@ -20,11 +20,11 @@ from unitylink.spec import load
 HERE = Path(__file__).resolve().parent
 SPEC = HERE / "servo.ul"
 WIDTHS_US = (1500, 1800, 1200, 2400)  # the last one drives the wheel into its limit
-TIME_S = 0.6  # for a move
+TIME_S = 0.6  # for each move
 
 
 def sweep(board: Node, link: Link) -> bool:
-    """Move through all widths; return whether the switch told that the last one ended at the limit."""
+    """Move to all widths. Return whether the switch reported that the last move ended at the limit."""
     control, width_us = board["drive.control"], board["drive.width[0]"]
     position, trips = board["wheel.position"], board["trips"]
     assert isinstance(control, WriteValue) and isinstance(width_us, WriteValue)
@@ -41,7 +41,8 @@ def sweep(board: Node, link: Link) -> bool:
         control.write({"enable": True, "servo": True})
         for goal_us in WIDTHS_US:
             width_us.write(goal_us)
-            link.sleep_until(link.now_s() + TIME_S)  # robot time: on a real board that of this program
+            # robot time, which on a real board is the time of this program
+            link.sleep_until(link.now_s() + TIME_S)
             print(f"servo at {goal_us} us, wheel at {position.read()} counts")
         return tripped.wait(2.0)
     finally:

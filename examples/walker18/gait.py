@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Geometry and gait of a walker with six legs of three servos; lengths in m, angles in rad.
 
-A leg's foot is seen from its hip: x forward, y outwards, z up. Three legs are on the ground while the other
-three swing forward (a tripod gait).
+A leg's foot is given as seen from its hip: x forward, y outwards, z up. Three legs are on the ground while
+the other three swing forward (a tripod gait).
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 COXA, FEMUR, TIBIA = 0.03, 0.06, 0.10
-HIPS = np.array([[0.12, 1], [0.12, -1], [0.0, 1], [0.0, -1], [-0.12, 1], [-0.12, -1]])  # x, side (1: left)
-HALF_WIDTH = 0.05  # of the body
+# (x, side), where side 1 is left
+HIPS = np.array([[0.12, 1], [0.12, -1], [0.0, 1], [0.0, -1], [-0.12, 1], [-0.12, -1]])
+HALF_WIDTH = 0.05  # half of the body's width
 TRIPOD = np.array(
     [0.0, 0.5, 0.5, 0.0, 0.0, 0.5]
 )  # phase of each leg: front left, front right, middle left, ..
-REACH, HEIGHT = 0.10, -0.08  # of a foot at rest, outwards and down
+REACH, HEIGHT = 0.10, -0.08  # position of a foot at rest, outwards and down
 STRIDE, LIFT = 0.07, 0.03
 
 
@@ -41,7 +42,9 @@ def foot_of(joints: Array) -> Array:
 
 
 def feet_at(phase: float, stride: float = STRIDE, lift: float = LIFT) -> Array:
-    """Return the feet (6, 3) at a phase of the cycle: on the ground and back first, then up and forward."""
+    """Return the feet (6, 3) at a phase of the cycle: first on the ground and moving back, then up and
+    forward.
+    """
     at = (phase + TRIPOD) % 1.0
     swing = (at - 0.5) * 2
     x = np.where(at < 0.5, stride * (0.5 - 2 * at), -stride / 2 * np.cos(np.pi * np.clip(swing, 0, 1)))
@@ -57,14 +60,14 @@ def on_body(feet: Array) -> Array:
 
 
 def grounded(feet: Array) -> NDArray[np.bool_]:
-    """Return which of the feet (…, 6, 3) carry: those within 4 mm of the lowest."""
+    """Return which of the feet (…, 6, 3) carry the body: those within 4 mm of the lowest."""
     z = feet[..., 2]
     carry: NDArray[np.bool_] = z <= z.min(axis=-1, keepdims=True) + 0.004
     return carry
 
 
 def travelled(feet: Array) -> Array:
-    """Return how far (n,) the body has come forward: what carries it stands still on the ground."""
+    """Return how far (n,) the body has moved forward. The feet that carry it stand still on the ground."""
     both = grounded(feet)[1:] & grounded(feet)[:-1]
     back = np.diff(feet[..., 0], axis=0)
     moved = -(back * both).sum(axis=1) / np.maximum(1, both.sum(axis=1))

@@ -55,7 +55,7 @@ def save(run: Run, path: Path) -> None:
 
 
 def draw_above(axes: Axes, run: Run) -> None:
-    """Draw where the feet stood and how the body came forward, from the published angles alone."""
+    """Draw where the feet stood and how the body moved forward, from the published angles alone."""
     feet = run.feet
     way = travelled(feet)
     world = on_body(feet)

@@ -10,7 +10,7 @@ NAMES = [ServoNames(name, f"{name}_sp") for name in ("hip", "knee", "foot")]
 
 
 class Plant(ServoPlant):
-    """A joint behind every hip, knee and foot; a count of the published language is 1 mrad."""
+    """A joint behind every hip, knee and foot. A count in the published language is 1 mrad."""
 
     def __init__(self) -> None:
         super().__init__(NAMES, SERVO, step=0.001)

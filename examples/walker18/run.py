@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The 18-DOF walker walks: each set of 18 set-points is one burst and one commit, all joints are published.
+"""The 18-DOF walker walks.
+
+Each set of 18 set-points is one burst and one commit, and all joints are published.
 
     python examples/walker18/run.py                                # the published language, a virtual board
     python examples/walker18/run.py --spec walker18_si.ul          # the same robot in engineering units
     python examples/walker18/run.py --link "serial:/dev/ttyUSB0?baud=3000000"
 
-Ends with 1 where the walker did not get as far as its steps should have brought it.
+The exit code is 1 if the walker did not get as far as its steps should have brought it.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from unitylink.program import run_program
 from unitylink.spec import load
 
 HERE = Path(__file__).resolve().parent
-PERIOD_S = 0.02  # of the set-points
+PERIOD_S = 0.02  # time from one set-point to the next
 CYCLE_S = 1.2
 RISE_STEPS = 10
 SETTLE_S = 0.6
@@ -32,7 +34,7 @@ JOINTS = ("hip", "knee", "foot")
 
 @dataclass(frozen=True)
 class Run:
-    """What was asked and what was published: angles (n, 6, 3) in rad, times (n,) in s from the start."""
+    """The set-points and the published values: angles (n, 6, 3) in rad, times (n,) in s from the start."""
 
     legs: tuple[str, ...]
     asked_s: Array
@@ -55,14 +57,14 @@ class Run:
         return 2 * STRIDE * self.cycles
 
     def tracking_error(self) -> Array:
-        """Return measured minus asked at each publish, (n, 6, 3)."""
+        """Return measured minus set-point at each publish, (n, 6, 3)."""
         index = np.maximum(np.searchsorted(self.asked_s, self.measured_s, side="right") - 1, 0)
         error: Array = self.measured - self.asked[index]
         return error
 
 
 class Walker:
-    """The robot in radians, whatever the spec counts in: without a unit, in milliradians."""
+    """The robot in radians, whatever unit the spec has. A spec without units counts milliradians."""
 
     def __init__(self, node: Node) -> None:
         set_points, positions = node["sp"], node["pos"]
@@ -77,7 +79,7 @@ class Walker:
         self.counts = units == {""}
 
     def write(self, joints: Array) -> None:
-        """Send (6, 3) set-points: one burst, one commit, so no leg is ever half a step ahead."""
+        """Send (6, 3) set-points: one burst, one commit. So no leg is ever half a step ahead."""
         targets: dict[str, float] = {}
         for leg, of_leg in zip(self.legs, joints, strict=True):
             for joint, angle in zip(JOINTS, of_leg, strict=True):
@@ -91,7 +93,7 @@ class Walker:
 
 
 def walk(node: Node, link: Link, cycles: int) -> Run:
-    """Stand up, walk, stand; keep all that is published."""
+    """Stand up, walk, stand. Keep everything that is published."""
     walker = Walker(node)
     samples: list[tuple[float, Snapshot]] = []
     asked_s: list[float] = []
@@ -105,10 +107,11 @@ def walk(node: Node, link: Link, cycles: int) -> Run:
         due = start
         steps = round(cycles * CYCLE_S / PERIOD_S)
         for step in range(steps + round(SETTLE_S / PERIOD_S)):
-            due = max(due + PERIOD_S, link.now_s())  # who is late walks slower, and does not jump
+            due = max(due + PERIOD_S, link.now_s())  # a late program walks slower, but does not jump
             link.sleep_until(due)
             at = min(step + 1, steps)
-            lift = LIFT * min(1.0, at / RISE_STEPS, (steps - at) / RISE_STEPS)  # on all six at both ends
+            # at both ends of the walk, all six feet are on the ground
+            lift = LIFT * min(1.0, at / RISE_STEPS, (steps - at) / RISE_STEPS)
             joints = angles(feet_at(0.25 + at * PERIOD_S / CYCLE_S, lift=lift))
             walker.write(joints)
             asked_s.append(link.now_s() - start)
@@ -128,7 +131,7 @@ def walk(node: Node, link: Link, cycles: int) -> Run:
 
 
 def tell(run: Run) -> bool:
-    """Print what happened; return whether the walker got there."""
+    """Print what happened. Return whether the walker got there."""
     error_mrad = 1e3 * run.tracking_error()
     rate_hz = (len(run.measured_s) - 1) / (run.measured_s[-1] - run.measured_s[0])
     print(f"  set-points: {len(run.asked_s)}, each of 18 servos in one burst and one commit")
@@ -158,7 +161,7 @@ def main() -> int:
         run = walk(load_spec_objects(spec, link), link, options.cycles)
     there = tell(run)
     if options.picture:
-        from picture import save  # only here: matplotlib is not needed to walk
+        from picture import save  # imported only here, because walking does not need matplotlib
 
         save(run, options.picture)
         print(f"  picture: {options.picture}")

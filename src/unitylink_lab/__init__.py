@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What measures and compares Unity-Link itself. It is in a checkout of the source only, not in a wheel."""
+"""Measurements of Unity-Link, and comparisons with others.
+
+This package is only in a checkout of the source, not in a wheel.
+"""

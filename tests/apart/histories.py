@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Board, host and a bad wire as three programs, of which two get killed; and what came of it.
+"""Run board, host and a bad wire as three programs. Kill two of them again and again, and judge the result.
 
     python tests/apart/histories.py                        # 100,000 messages, each profile in its turn
     python tests/apart/histories.py --messages 4000000 --jobs 2
     python tests/apart/histories.py --profile udp --seed 17 --messages 1 --keep /tmp/history
 
-A message is a request of the protocol as the host's link counts it, or a post; a list is one, and no answer
-is. A history ends when it is whole, so there are some more. When bytes come is up to the machine: a seed
-draws the same faults, and the history is not the same. The journals of one that failed are kept: they are the
-proof.
+A message is a request of the protocol, as the host's link counts them, or a post. A list is one message. An
+answer is none. A history always runs to its end, so there are some more messages than asked. The machine
+decides when bytes come. So a seed draws the same faults, but the history is not the same. The journals of a
+failed history are kept as the proof.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ HERE = Path(__file__).parent
 BOARD = HERE.parents[1] / "build" / "native" / "journal_board"
 HISTORY_WORDS = 20_000
 CLIENTS = 4
-PATIENCE_S = 120  # with a host that notes nothing
+PATIENCE_S = 120  # longest wait for a host that notes nothing
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class Profile:
     kind: str
     protocol: str
     faults: dict[str, float] = field(default_factory=dict)
-    board_kill_s: float = 0.7  # about, between two
+    board_kill_s: float = 0.7  # about so long between two kills
     host_kill_s: float = 1.5
     options: str = "timeout=0.03&attempts=5"
 
 
 _STREAM = {"split": 0.1, "lose": 0.01, "double": 0.01, "flip": 0.01, "cut": 0.002, "stall": 0.005}
 _WHOLE = {"split": 0.1, "cut": 0.001, "stall": 0.002}  # no byte is altered
-# What classic does not promise is not asked of it: no byte is altered, no answer is several timeouts late.
+# Classic promises less, so less is asked of it: no byte is altered, and no answer is several timeouts late.
 _CLASSIC = "timeout=0.2&attempts=4&crc=1"
 PROFILES = {
     "tcp": Profile("tcp", "framed", _STREAM),
@@ -65,7 +65,7 @@ PROFILES = {
 @dataclass
 class Report:
     words: int = 0
-    requests: int = 0  # and posts: the messages
+    requests: int = 0  # requests and posts, which are the messages
     executed: int = 0
     told: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
@@ -87,7 +87,7 @@ def _free_port(kind: str) -> str:
 
 
 class History:
-    """One life of a wire, with many of a board and of a host at its ends."""
+    """One life of a wire, with many lives of a board and of a host at its ends."""
 
     def __init__(self, profile: Profile, seed: int, words: int, folder: Path, board: Path = BOARD) -> None:
         self.profile, self.seed, self.words, self.folder, self.program = profile, seed, words, folder, board
@@ -114,7 +114,7 @@ class History:
         return sum(path.stat().st_size for path in self.folder.glob("client-*"))
 
     def run(self) -> Report:
-        """Live until the host has done its words; return what the journals say."""
+        """Run until the host has done all its words. Return what the journals say."""
         chance = random.Random(self.seed)
         report = Report()
         rates = [str(self.seed), *(f"{name}={rate}" for name, rate in self.profile.faults.items())]
@@ -136,7 +136,8 @@ class History:
             )
         try:
             while host.poll() is None:
-                # A board that gets on with it lives for a while; one of five is killed begun or not.
+                # A board normally gets a while after its first executed word. One in five is killed whether
+                # it has begun or not.
                 noted, begun = self._noted(), time.monotonic()
                 idle = chance.random() > 0.2
                 while host.poll() is None and idle and self._noted() == noted:
@@ -151,7 +152,8 @@ class History:
                     report.violations.append(f"the board ended by itself: {board.communicate()[1]}")
                     break
                 if host.poll() is None:
-                    if self.profile.kind == "pty":  # or the wire finds whose terminal has its number next
+                    # otherwise the wire would open another terminal that gets the same number
+                    if self.profile.kind == "pty":
                         Path(self.target).unlink(missing_ok=True)
                     _end(board)
                     report.faults["board killed"] += 1
@@ -189,7 +191,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 def lived(
     name: str, seed: int, words: int = HISTORY_WORDS, keep: Path | None = None, board: Path = BOARD
 ) -> Report:
-    """Return the report of one history, whose journals stay where it failed, or in `keep`."""
+    """Return the report of one history. Its journals stay if it failed, or in `keep`."""
     folder = keep / f"{name}-{seed}" if keep else Path(tempfile.mkdtemp(prefix="unitylink-history-"))
     report = History(PROFILES[name], seed, words, folder, board).run()
     if report.violations:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A host that is meant to be killed: python host.py URL FOLDER SEED WORDS CLIENTS KILL_S
 
-Clients in threads of one program do what they like with words of their own until they have done WORDS, and
-note what they ask and what they are told. KILL_S: the program is killed after about so many seconds, and
-another takes its place.
+Each client runs in a thread of the program and uses words of its own, at random. It notes what it asks and
+what it is told. It ends after WORDS words. After about KILL_S seconds the program is killed, and another one
+takes its place.
 """
 
 from __future__ import annotations
@@ -26,14 +26,16 @@ from journal import BORN, DONE, GOT, MORE, NOT, PART, POST, POSTS, RECORD, REQUE
 from unitylink import LinkError, OutcomeUnknown, connect
 from unitylink.layer2_message import ExchangeGroup, Link
 
-CLIENT_WORDS = 16  # of each client
-MOST = 24  # words in a call
+CLIENT_WORDS = 16  # words of each client
+MOST = 24  # the most words in a call
 GROUP = 4  # words each way in an exchange group
-PAUSE_S = 0.002  # before asking again where there was an error: the line may be gone
+PAUSE_S = 0.002  # before asking again after an error, because the line may be gone
 
 
 class Life:
-    """What outlives the program, for the next: how many words each client has done, and values used."""
+    """What outlives the program, for the next one: how many words each client has done, and the values it
+    used.
+    """
 
     def __init__(self, clients: int) -> None:
         self._memory = mmap.mmap(-1, 8 * (2 * clients + 2))
@@ -52,7 +54,7 @@ class Life:
 
 
 class Client:
-    """It believes nothing, and notes all."""
+    """A client that trusts nothing and notes everything."""
 
     def __init__(self, number: int, link: Link, life: Life, folder: Path, seed: int) -> None:
         self.number, self.link, self.life = number, link, life
@@ -60,12 +62,13 @@ class Client:
         self.addresses = range(0x100 + 0x20 * number, 0x100 + 0x20 * number + CLIENT_WORDS)
         self.file = os.open(folder / f"client-{number}", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
         size = os.fstat(self.file).st_size
-        os.ftruncate(self.file, size - size % RECORD.size)  # who was killed while it noted has not asked
+        # a client that was killed while it noted has not asked yet
+        os.ftruncate(self.file, size - size % RECORD.size)
         self.group: ExchangeGroup | None = None
         self.note((BORN, 0, 0))
 
     def note(self, *records: tuple[int, int, int]) -> None:
-        """One call of the system: all of them are there, or none is."""
+        """Write records with one system call, so that either all of them are in the file or none is."""
         os.write(self.file, b"".join(RECORD.pack(*record) for record in records))
 
     def some(self, most: int = MOST) -> list[int]:
@@ -79,7 +82,10 @@ class Client:
         return values
 
     def tell(self, act: Callable[[], object], failed: int, queue: int = REQUESTS) -> bool:
-        """Do it and note the outcome; `failed` where it was an error, but not that nobody knows."""
+        """Call `act` and note the outcome.
+
+        It is `failed` after an error, except where the outcome is unknown.
+        """
         try:
             act()
         except OutcomeUnknown:
@@ -134,12 +140,16 @@ class Client:
             elif self.group is not None:
                 words.extend(int(word) for word in self.group.exchange(values))
 
-        if self.tell(act, NOT if framed else PART):  # classic: several messages, and any may fail
+        # with classic this is several messages, and any of them may fail
+        if self.tell(act, NOT if framed else PART):
             self.got(reads, words)
         return len(writes) + len(reads)
 
     def post(self) -> int:
-        """Posts are told of by the next sync, whose answer is the link's: one client has them all."""
+        """The next sync tells the outcome of posts, and its answer is for the whole link.
+
+        So one client makes all posts.
+        """
         addresses = self.some()
         if self.number > 0 or self.link.protocol != "framed":
             return self.write_many()
@@ -176,7 +186,7 @@ class Client:
 
 
 def live(url: str, folder: Path, seed: int, words: int, life: Life) -> None:
-    """Be the program, once: until the clients have done all, however often the link ends."""
+    """Run the program once, until the clients have done all their words, however often the link ends."""
     while any(life.get(2 * number) < words for number in range(life.clients)):
         try:
             link = connect(url)
@@ -198,7 +208,7 @@ def live(url: str, folder: Path, seed: int, words: int, life: Life) -> None:
 
 
 def main(url: str, folder: Path, seed: int, words: int, *, clients: int, kill_s: float) -> int:
-    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # who started it has ended: so does it
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # end this process if the one that started it has ended
     life = Life(clients)
     chance = random.Random(seed)
     kills = 0
@@ -213,7 +223,7 @@ def main(url: str, folder: Path, seed: int, words: int, *, clients: int, kill_s:
                 sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
                 os._exit(3)
             os._exit(0)
-        # Its time begins when it gets on with it; for one of five when it is born.
+        # Its time starts with its first word done; for one in five, when it starts.
         done, until = life.words() if chance.random() > 0.2 else -1, float("inf")
         while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
             if until == float("inf") and life.words() != done:

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The oracle: what the board's bus executed against what the host was told. It knows nothing of the engine.
+"""The oracle: it compares what the board's bus executed with what the host was told.
 
-Both write a journal as they go, into files that outlive them. Each value is written once in a history, so
-that an execution names its wish.
+It knows nothing of the engine.
+
+Board and host write their journals as they go, into files that outlive them. Each value is written once in a
+history, so an execution shows which write caused it.
 """
 
 from __future__ import annotations
@@ -16,12 +18,12 @@ RECORD = struct.Struct("<III")  # kind, address, value
 # What a client of the host notes: before it asks ...
 BORN, WISH, POST = 1, 2, 3
 # ... and what it was told then of all its WISHes, or (address 1) of its POSTs, that have no outcome yet.
-# PART: the first of them, perhaps none and perhaps all.
+# PART means: the first of them, perhaps none and perhaps all.
 DONE, NOT, UNKNOWN, PART = 4, 5, 6, 7
-GOT, MORE = 8, 9  # a word that was read; another one of the same call, which may have been read before it
+GOT, MORE = 8, 9  # a word that was read; another word of the same call, which may have been read before it
 REQUESTS, POSTS = 0, 1
 _TOLD = {DONE: "done", NOT: "not executed", UNKNOWN: "unknown", PART: "unknown"}
-_BEGUN = 0xFFFFFFFF  # of the board, in place of an address
+_BEGUN = 0xFFFFFFFF  # stands in place of an address when the board starts
 
 
 @dataclass
@@ -29,18 +31,18 @@ class Wish:
     address: int
     value: int
     told: int = UNKNOWN
-    at: list[int] = field(default_factory=list)  # where in the board's journal it was executed
+    at: list[int] = field(default_factory=list)  # the places in the board's journal where it was executed
 
 
 def executions(path: Path) -> list[tuple[int, int]]:
-    """Return what the board did, in order: (address, value), and `_BEGUN` where it began."""
+    """Return what the board did, in order: (address, value). `_BEGUN` marks each start of the board."""
     data = path.read_bytes()
     (count,) = struct.unpack_from("<I", data)
     return list(struct.iter_unpack("<II", data[8 : 8 + 8 * count]))
 
 
 class Words:
-    """What stood in each word of the board, from where in its journal on."""
+    """The value of each word of the board, with the place in its journal from which on it holds."""
 
     def __init__(self, done: list[tuple[int, int]]) -> None:
         self.begun = [at for at, (address, _) in enumerate(done) if address == _BEGUN]
@@ -52,9 +54,11 @@ class Words:
                 values.append(value)
 
     def held(self, address: int, value: int, floor: int, ceiling: int) -> int | None:
-        """Return since when the word was `value` at some time between two places of the journal, if it was.
+        """Return since when the word held `value` at some time between two places of the journal.
 
-        A word is 0 from where the board begins.
+        Return None if it never did.
+
+        A word is 0 when the board starts.
         """
         places, values = self._written.get(address, ([], []))
         first = max(0, bisect_right(places, floor) - 1)
@@ -84,7 +88,7 @@ class Verdict:
 
 
 class Judge:
-    """Compare one client's journal with the board's."""
+    """Compares the journals of clients with the board's journal."""
 
     def __init__(self, done: list[tuple[int, int]]) -> None:
         self.verdict = Verdict(executed=sum(address != _BEGUN for address, _ in done))
@@ -100,15 +104,16 @@ class Judge:
         )
 
     def client(self, path: Path) -> None:
-        """Judge what one client noted, in the order in which it did."""
+        """Judge what one client noted, in its order."""
         wishes: list[Wish] = []
-        reads: list[tuple[int, list[tuple[int, int]]]] = []  # of a call: wishes before, and its words
+        # for each call: the number of writes before it, and its words
+        reads: list[tuple[int, list[tuple[int, int]]]] = []
         open_: dict[int, list[Wish]] = {REQUESTS: [], POSTS: []}
         parts: list[list[Wish]] = []
         for kind, address, value in RECORD.iter_unpack(whole(path)):
             if kind == BORN:
                 for queue in open_.values():
-                    queue.clear()  # nobody was told: unknown
+                    queue.clear()  # the client was not told, so the outcome is unknown
             elif kind in (WISH, POST):
                 wishes.append(Wish(address, value))
                 open_[POSTS if kind == POST else REQUESTS].append(wishes[-1])
@@ -138,7 +143,7 @@ class Judge:
         self.verdict.told["read"] = self.verdict.told.get("read", 0) + read
 
     def nobodys(self) -> None:
-        """Judge what is left when all clients have been: executed, and nobody asked for it."""
+        """Judge what is left after all clients: writes that were executed, but that nobody asked for."""
         for value, found in self._at.items():
             self.verdict.violations.append(f"executed, but nobody asked for it: {value:08x} at {found}")
 
@@ -158,7 +163,7 @@ class Judge:
                     self.accuse("executed although one before it was not", wish)
 
     def _order(self, wishes: list[Wish]) -> None:
-        """Hold that nothing is executed behind a later wish that was told as done, nor those out of order."""
+        """Check that no write is executed after a later one that was reported as done."""
         last = 1 << 62
         for wish in reversed(wishes):
             if wish.at and wish.at[0] > last:
@@ -167,10 +172,11 @@ class Judge:
                 last = min(last, wish.at[0])
 
     def _reads(self, wishes: list[Wish], reads: list[tuple[int, list[tuple[int, int]]]]) -> None:
-        """Hold that a read gives what stood there between what was done before it and what was behind it.
+        """Check that a read gives a value that the word held between the write done before it and the one
+        after it.
 
-        Reads of one call may be on their way together: where the board is killed, those that it had answered
-        tell of its life, and the others, asked again, of the next.
+        Reads of one call may be under way together. If the board is killed, the answered ones show its old
+        life. The others are asked again and show the next life.
         """
         ceilings = [1 << 62] * (len(wishes) + 1)
         for index in range(len(wishes) - 1, -1, -1):
@@ -195,13 +201,13 @@ class Judge:
 
 
 def whole(path: Path) -> bytes:
-    """Return the records of a file but a last one that is torn."""
+    """Return the records of a file, without a last one that is incomplete."""
     data = path.read_bytes() if path.exists() else b""
     return data[: len(data) - len(data) % RECORD.size]
 
 
 def judged(board: Path, clients: list[Path]) -> Verdict:
-    """Return what the journals say of a history."""
+    """Return what the journals say about a history."""
     judge = Judge(executions(board))
     for path in clients:
         judge.client(path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exactly-once between programs that get killed; the long form is `tests/apart/histories.py --messages N`."""
+"""Exactly-once between programs that are killed. The long form is `tests/apart/histories.py --messages N`."""
 
 from __future__ import annotations
 

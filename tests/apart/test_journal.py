@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The oracle sees what must not be: each of these journals tells of one thing that was not as promised."""
+"""The oracle finds violations. Each of these journals holds one thing that is against a promise."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ WRONG = {
 def told(folder: Path, done: list[tuple[int, int]], noted: list[tuple[int, int, int]]) -> list[str]:
     records = [BEGUN, *done]
     board = struct.pack("<II", len(records), 0) + b"".join(struct.pack("<II", *one) for one in records)
-    (folder / "board").write_bytes(board + bytes(64))  # room for more
+    (folder / "board").write_bytes(board + bytes(64))  # a journal has room for more
     (folder / "client-0").write_bytes(b"".join(RECORD.pack(*one) for one in noted) + b"torn")
     return judged(folder / "board", [folder / "client-0"]).violations
 
@@ -59,6 +59,6 @@ def test_what_is_not_is_told(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("value", [0, 3])
 def test_a_read_may_not_go_back(value: int, tmp_path: Path) -> None:
-    """Behind an unknown write what was read once stands there, until something else does."""
+    """After an unknown write, a value that was read once stays until something else is written."""
     done, noted = [ONE, THREE], [W1, OK, W3, DARK, (GOT, *THREE), (GOT, 0x10, value)]
     assert bool(told(tmp_path, done, noted)) == (value == 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The wire between two programs: a line that is gone leaves no name behind."""
+"""The wire between two programs. A line that is gone leaves no name behind."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def until(holds: Callable[[], bool]) -> None:
 def test_a_terminal_that_goes_while_it_is_opened_is_not_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A wire that ended for that left its host to wait for ever."""
+    """Once the wire ended in this case, and its host waited for ever."""
     master, slave = os.openpty()
     (tmp_path / "board.tty").symlink_to(os.ttyname(slave))
     opened: list[int] = []
@@ -49,7 +49,10 @@ def test_a_terminal_that_goes_while_it_is_opened_is_not_there(
 
 
 def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Path) -> None:
-    """Numbers of terminals are given again at once: a host would speak with somebody else's board."""
+    """The system gives the numbers of terminals again at once.
+
+    So a host could talk to somebody else's board.
+    """
     listen, target = tmp_path / "host.tty", tmp_path / "board.tty"
     master, slave = os.openpty()
     target.symlink_to(os.ttyname(slave))
@@ -62,7 +65,7 @@ def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Pa
         until(lambda: not listen.is_symlink())
         master, slave = os.openpty()
         target.symlink_to(os.ttyname(slave))
-        until(listen.is_symlink)  # and here again
+        until(listen.is_symlink)  # the board is here again
         process.kill()
     os.close(master)
     os.close(slave)

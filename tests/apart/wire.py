@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A bad wire as a program of its own: python wire.py KIND LISTEN TARGET SEED FAULT=RATE...
 
-It knows nothing of Unity-Link: it passes bytes, or datagrams, from whoever comes to LISTEN to TARGET and
-back, and does to them what the rates say, each for one piece of what it has read. KIND is `tcp` or `udp`,
-between ports of this machine, or `pty`, between a terminal that it makes at the path LISTEN and the one at
-TARGET.
+It knows nothing of Unity-Link. It passes bytes or datagrams between LISTEN and TARGET, both ways. To each
+piece that it has read it does what the rates say. KIND is `tcp` or `udp`, between ports of this machine, or
+`pty`. With `pty` it makes a terminal at the path LISTEN and opens the one at TARGET.
 
     split   a piece goes on in several, with others let by in between
     lose    bytes of a stream, or a datagram, are gone
@@ -14,7 +13,7 @@ TARGET.
     late    a datagram comes up to LATE_S later, and others overtake it
     stall   nothing passes, that way, for up to STALL_S
 
-The last line says how often each was done.
+The last line of output says how often each fault was made.
 """
 
 from __future__ import annotations
@@ -44,7 +43,10 @@ class Broken(Exception):
 
 
 class Faults:
-    """What becomes of a piece. The same seed draws the same; when pieces come is up to the machine."""
+    """The faults that a piece meets.
+
+    The same seed draws the same faults, but the machine decides when pieces come.
+    """
 
     def __init__(self, seed: int, rates: dict[str, float]) -> None:
         self.random = random.Random(seed)
@@ -90,7 +92,7 @@ class Faults:
         await send(piece)
 
     def datagram(self, piece: bytes, send: Callable[[bytes], None]) -> None:
-        """Pass a datagram, now, later, twice, spoiled or never."""
+        """Pass a datagram: now, later, twice, damaged or never."""
         if self.meets("lose"):
             return
         if piece and self.meets("flip"):
@@ -98,7 +100,7 @@ class Faults:
         if piece and self.meets("cut"):
             piece = piece[: self.random.randrange(len(piece))]
             if not piece:
-                return  # an empty one has a meaning: it is nothing that a network makes of another
+                return  # an empty datagram has a meaning, and no network turns another one into it
         loop = asyncio.get_running_loop()
         for _ in range(2 if self.meets("double") else 1):
             if self.meets("late"):
@@ -135,7 +137,7 @@ async def tcp(faults: Faults, listen: str, target: str) -> None:
             await asyncio.gather(*ways, return_exceptions=True)
         for end in ends:
             with contextlib.suppress(OSError):  # closed already
-                reset = struct.pack("ii", 1, 0)  # and what is under way is gone
+                reset = struct.pack("ii", 1, 0)  # and what is under way is lost
                 end.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, reset)
             end.transport.abort()
 
@@ -146,11 +148,11 @@ async def tcp(faults: Faults, listen: str, target: str) -> None:
 
 
 async def udp(faults: Faults, listen: str, target: str) -> None:
-    """One host at a time, as a router does it: what the board sends goes to whoever spoke last."""
+    """Serve one host at a time, as a router does. What the board sends goes to the host that sent last."""
     loop = asyncio.get_running_loop()
     here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     here.bind(("127.0.0.1", int(listen)))
-    there = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # not connected: a port that is shut is no error
+    there = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # not connected, so a closed port is no error
     there.bind(("127.0.0.1", 0))
     board = ("127.0.0.1", int(target))
     hosts: list[tuple[str, int]] = []
@@ -184,7 +186,7 @@ async def udp(faults: Faults, listen: str, target: str) -> None:
 
 
 def _raw_terminal(path: str) -> int | None:
-    """Open a terminal, unless it is gone, or goes meanwhile."""
+    """Open a terminal. Return None if it is gone, or goes away meanwhile."""
     try:
         terminal = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError:
@@ -198,11 +200,11 @@ def _raw_terminal(path: str) -> int | None:
 
 
 async def _terminal(faults: Faults, listen: str, target: str) -> None:
-    """One life of the line: until it is cut, or the board's terminal is gone."""
+    """One life of the line. It ends when the line is cut, or the board's terminal is gone."""
     loop = asyncio.get_running_loop()
-    while (far := _raw_terminal(target)) is None:  # the board is not there
+    while (far := _raw_terminal(target)) is None:  # wait while the board is not there
         await asyncio.sleep(0.005)
-    master, slave = os.openpty()  # the slave stays open here: who leaves does not end the line
+    master, slave = os.openpty()  # the slave stays open here, so the line does not end when a host leaves
     os.set_blocking(master, False)
     tty.setraw(slave, termios.TCSANOW)
     Path(listen).unlink(missing_ok=True)
@@ -241,7 +243,7 @@ async def _terminal(faults: Faults, listen: str, target: str) -> None:
     for one in ways:
         one.cancel()
     await asyncio.gather(*ways, return_exceptions=True)
-    # The next terminal that anybody opens may have the number of this one.
+    # The next terminal that anybody opens may get the number of this one.
     Path(listen).unlink(missing_ok=True)
     for end in (far, master, slave):
         os.close(end)
@@ -260,7 +262,7 @@ async def pty(faults: Faults, listen: str, target: str) -> None:
 
 async def main(kind: str, listen: str, target: str, faults: Faults) -> None:
     over = asyncio.Event()
-    # Its end: who started this has had enough, or is gone.
+    # End of input: the program that started this one wants it to end, or is gone.
     asyncio.get_running_loop().add_reader(sys.stdin, over.set)
     await {"tcp": tcp, "udp": udp, "pty": pty}[kind](faults, listen, target)
     print("ready", flush=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The twin equals the recordings of the 2012 gateware, and the replay notices when it does not."""
+"""The twin equals the recordings of the 2012 gateware, and the replay notices if it does not."""
 
 from __future__ import annotations
 
@@ -43,7 +43,10 @@ def test_all_optional_exchanges_are_equal(report: Report) -> None:
 
 
 def test_the_twin_of_the_2012_gateware_has_its_defects() -> None:
-    """It answers what was recorded, right or wrong; two recordings end within what never ends."""
+    """It answers what was recorded, right or wrong.
+
+    Two recordings end in the middle of a message that never ends.
+    """
 
     def published(configuration: BoardConfiguration, exchanges: Any) -> list[bytes]:
         return play_on_twin(replace(configuration, published_2012=True, protocol="classic"), exchanges)
@@ -59,7 +62,7 @@ def test_the_twin_of_the_2012_gateware_has_its_defects() -> None:
 
 
 def test_only_a_configuration_has_bytes_that_are_no_digits() -> None:
-    """A 2C in the data of every other reply is digits, and counts in its checksum."""
+    """A 2C in the data of other replies is two digits, and its checksum counts it so."""
     replies = {line for e in replay(FILE).exchanges for line in e.recorded.splitlines()}
     assert all("CNF" in line for line in replies if "," in line)
     with_2c = [line for line in replies if line.startswith("$") and "2c2c" in line]

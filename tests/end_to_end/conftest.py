@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The real command line, in processes of its own."""
+"""The real command line, run in processes of its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SCARA = ROOT / "examples" / "scara" / "scara.ul"
 UNITYLINK = Path(sys.executable).with_name("unitylink")
-PATIENCE_S = 60  # what a command may take on a loaded machine before the test calls it hung
+PATIENCE_S = 60  # how long a command may take on a loaded machine before the test calls it hung
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -50,7 +50,10 @@ def run(tmp_path: Path) -> Run:
 
 @pytest.fixture
 def on_terminal(tmp_path: Path) -> Callable[..., str]:
-    """Run `unitylink ARGUMENTS` with a terminal as its stdout; return what it shows, escapes included."""
+    """Run `unitylink ARGUMENTS` with a terminal as its stdout.
+
+    Return what it shows, with the escape codes.
+    """
 
     def unitylink(*arguments: object, **environment: str) -> str:
         controller, terminal = pty.openpty()
@@ -63,7 +66,7 @@ def on_terminal(tmp_path: Path) -> Callable[..., str]:
             try:
                 while data := os.read(controller, 65536):
                     shown += data
-            except OSError:  # how Linux says that the other side of a pty is closed
+            except OSError:  # this is how Linux reports that the other side of a pty is closed
                 pass
         os.close(controller)
         return shown.decode()
@@ -90,7 +93,7 @@ class Server:
         return int(self.url.rpartition(":")[2])
 
     def stop(self, how: signal.Signals = signal.SIGTERM) -> tuple[int, str]:
-        """End it; return (exit code, what it still printed on stderr)."""
+        """End it. Return its exit code and what it still printed on stderr."""
         self.process.send_signal(how)
         _, err = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, err
@@ -98,7 +101,7 @@ class Server:
 
 @pytest.fixture
 def serve(tmp_path: Path) -> Iterator[Callable[..., Server]]:
-    """Start `unitylink simulate ARGUMENTS` and wait until it serves; it is ended with the test."""
+    """Start `unitylink simulate ARGUMENTS` and wait until it serves. It ends with the test."""
     running: list[subprocess.Popen[str]] = []
 
     def start(*arguments: object) -> Server:
@@ -111,7 +114,7 @@ def serve(tmp_path: Path) -> Iterator[Callable[..., Server]]:
         )
         running.append(process)
         assert process.stdout is not None and process.stderr is not None
-        banner = process.stdout.readline()  # printed when it serves; ends at once when the command fails
+        banner = process.stdout.readline()  # printed when it serves; empty at once if the command fails
         found = re.search(r"at (\S+:\S+)", banner)
         assert found, f"no URL in {banner!r}; stderr: {process.stderr.read() if not banner else ''}"
         return Server(process, found.group(1), banner)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All commands that take a LINK, tried on one after the other: what they need, and what they say."""
+"""Try all commands that take a LINK on one, one after another. Check what they need and what they print."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ public plain() {
 """
 LINE_TYPED = "#RLC\n"
 
-Url = Callable[[], str]  # a URL for the next command; some can be opened once only
+Url = Callable[[], str]  # returns a URL for the next command, because some URLs can be opened only once
 
 
 def commands_with_a_link() -> set[str]:
-    """Return the commands whose arguments a LINK can be."""
+    """Return the commands that take a LINK as an argument."""
     found = set()
     for name in COMMANDS:
         command = import_module(module_of(name)).command
@@ -44,11 +44,13 @@ def converse(
     refused: Mapping[str, str] | None = None,
     items: tuple[str, str, str] = ("position", "target", "0x13"),
 ) -> dict[str, str]:
-    """Run every command on a link; return what each said. AssertionError for one that could not do its work.
+    """Run every command on a link, and return the output of each.
 
-    `own_spec`: the link brings its spec, as `sim:` does. `refused` are commands that such a link has no place
-    for, and a part of what they say then. `items` are one that is published, one
-    that is written, and a bare address.
+    Raises AssertionError if a command could not do its work.
+
+    `own_spec` means that the link brings its spec, as `sim:` does. `refused` names the commands that such a
+    link cannot serve, each with a part of its message. `items` are an item that is published, an item that is
+    written, and a bare address.
     """
     measured, written, bare = items
     given = [] if own_spec else ["--spec", str(spec)]
@@ -70,7 +72,8 @@ def converse(
     for name, words in lines.items():
         code, said[name] = run(name, *words(url()))
         expected = (refused or {}).get(name)
-        if name == "record" and "samples in" in said[name]:  # a busy machine loses some, which it tells
+        # a busy machine loses some samples, and the command reports this
+        if name == "record" and "samples in" in said[name]:
             code = 0
         assert (code == 0) == (expected is None), f"{name} ended with {code}: {said[name]}"
         assert expected is None or expected in said[name], said[name]
@@ -78,7 +81,7 @@ def converse(
 
 
 def run(*words: str) -> tuple[int, str]:
-    """Run a command in this process; return its exit code and what it printed."""
+    """Run a command in this process. Return its exit code and its output."""
     told = io.StringIO()
     with (
         _bridge_that_ends(),
@@ -90,7 +93,7 @@ def run(*words: str) -> tuple[int, str]:
 
 
 def _bridge_that_ends() -> contextlib.AbstractContextManager[object]:
-    """Have `bridge` make the robot on its link, and end: what it does after that is tested with ROS."""
+    """Let `bridge` make the robot on its link, and then end. Tests with ROS cover what it does after that."""
 
     def run_dds(_: object, build: Callable, connect: Callable, parameters: object, **__: object) -> int:
         with connect(parameters.link) as link:  # type: ignore[attr-defined]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink bench`: its command line, and that every figure can be measured.
+"""`unitylink bench`: its command line works, and every figure can be measured.
 
-Its number is no business of a test: that would be a timed test.
+No test looks at the number, because that would be a timed test.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def test_a_figure_as_json(run: Run) -> None:
     assert report["quick"] is True
 
 
-LONG = {"roscpp-out"}  # compiles a package of ROS first, as tests/ros does
+LONG = {"roscpp-out"}  # this compiles a package of ROS first, as tests/ros does
 
 
 @pytest.mark.parametrize(

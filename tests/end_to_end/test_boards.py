@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink build` with the real tools: bitstreams, and reports that tell what is in them."""
+"""`unitylink build` with the real tools: bitstreams, and reports of their contents."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from unitylink.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = "unitylink build examples/servo/servo.ul --board icebreaker"
-# A two-way pin, an active-low one, a PLL, and publishing off: everything of the flow in the smallest design.
+# A two-way pin, an active-low pin, a PLL, and publishing off: every step of the flow in the smallest design.
 SMALL = """
 link small (BAUD=1000000);
 public small() {
@@ -27,7 +27,7 @@ public small() {
 CLASSIC = ("--protocol", "classic")
 
 
-@pytest.mark.long  # a bitstream with frames for an iCEBreaker is what docs/board.md builds in `make test`
+@pytest.mark.long  # docs/board.md builds a bitstream with frames for an iCEBreaker in `make test`
 def test_servo_on_icebreaker(tmp_path: Path) -> None:
     assert f"\n{COMMAND}\n" in (ROOT / "docs" / "board.md").read_text("utf-8")
     spec = ROOT / "examples" / "servo" / "servo.ul"
@@ -40,7 +40,8 @@ def test_servo_on_icebreaker(tmp_path: Path) -> None:
     page = " ".join((ROOT / "docs" / "build.md").read_text("utf-8").split())
     told = re.search(r"takes (\d+) of 5280 cells and (\d+) of 30 block RAMs of the UP5K", page)
     assert told is not None
-    assert abs(int(told[1]) / cells["logic cells"]["used"] - 1) < 0.02  # of this or another yosys
+    # the counts of different versions of yosys differ a little
+    assert abs(int(told[1]) / cells["logic cells"]["used"] - 1) < 0.02
     assert (int(told[2]), 30) == (cells["block RAM"]["used"], cells["block RAM"]["available"])
     assert report["fmax_hz"] >= report["clock_hz"] == 12_000_000
     assert report["url"] == "serial:/dev/ttyUSB1?baud=1000000"
@@ -65,9 +66,10 @@ def test_small_design_on_ulx3s(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_small_design_behind_a_synchronous_ft245(tmp_path: Path) -> None:
-    """An ECP5, a PLL, a two-way pin, words on pins, and two clocks: the design's, and that of the FTDI chip.
+    """An ECP5, a PLL, a two-way pin, words on pins, and two clocks: that of the design, and that of the FTDI
+    chip.
 
-    The classic protocol is placed sooner.
+    With the classic protocol it is placed faster.
     """
     (tmp_path / "small.ul").write_text(SMALL)
     out = tmp_path / "out"

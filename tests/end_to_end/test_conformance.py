@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink conformance`, on the recordings and on files that are none."""
+"""`unitylink conformance` on the recordings, and on files that are not recordings."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Silence, and the outputs are safe: a cable is cut between a host and a device, the twin and the VHDL."""
+"""After silence the outputs are safe: a cable is cut between a host and a device, which is the twin or the
+VHDL.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,10 @@ pytestmark = pytest.mark.xdist_group("rtl")
 
 
 class Cable:
-    """A wire between hosts, one after the other, and a board; while `cut`, what either says is lost."""
+    """A wire between a board and its hosts, of which one follows the other.
+
+    While `cut` is set, everything is lost.
+    """
 
     def __init__(self, board: Board) -> None:
         where = urlsplit(board.url)
@@ -38,7 +43,7 @@ class Cable:
         threading.Thread(target=self._to_host, daemon=True).start()
 
     def plug(self) -> str:
-        """Return the URL of a host's end; the one before must be closed."""
+        """Return the URL of the host's end. The end before it must be closed."""
         ours, host = socket.socketpair()
         self.cut.clear()
         self._host = host
@@ -55,7 +60,7 @@ class Cable:
         with self._board:
             while data := self._board.recv(65536):
                 if not self.cut.is_set() and self._host is not None:
-                    with contextlib.suppress(OSError):  # between two hosts
+                    with contextlib.suppress(OSError):  # this happens between two hosts
                         self._host.sendall(data)
 
     def close(self) -> None:
@@ -88,7 +93,7 @@ def test_silence_makes_outputs_safe_and_only_arming_ends_it(board: Board, cable:
         robot.dead_man.start(0.25)
         robot["lamp"].write(True)
         assert robot.dead_man.running and not robot.dead_man.tripped
-        time.sleep(1.0)  # nobody calls, and the link says that it is alive
+        time.sleep(1.0)  # the program calls nothing, and the link sends signs of life
         assert board.registers[LAMP] == 1
 
         cable.cut.set()
@@ -98,7 +103,8 @@ def test_silence_makes_outputs_safe_and_only_arming_ends_it(board: Board, cable:
             robot["lamp"].write(True)
         assert robot.dead_man.tripped and board.registers[LAMP] == 0
         before = robot["uptime_ms"].read()
-        becomes(lambda: robot["uptime_ms"].read() != before)  # reading goes on, and so does the board
+        # the program goes on reading, and the board runs
+        becomes(lambda: robot["uptime_ms"].read() != before)
         link.post(LAMP, 1)
         with pytest.raises(DeadManTripped, match="1 post"):
             link.sync()
@@ -109,7 +115,7 @@ def test_silence_makes_outputs_safe_and_only_arming_ends_it(board: Board, cable:
         assert robot.dead_man.running and not robot.dead_man.tripped
         robot["lamp"].write(True)
         assert board.registers[LAMP] == 1
-        cable.cut.set()  # it watches again
+        cable.cut.set()  # the dead-man watches again
         becomes(lambda: board.registers[LAMP] == 0)
         cable.cut.clear()
 

@@ -99,24 +99,25 @@ def test_a_terminal_takes_lines_from_a_pipe(run: Run) -> None:
 
 
 def test_a_person_types_with_tab_and_sees_the_answer() -> None:
-    """On a real terminal: TAB completes a name, Enter sends it, Ctrl-D ends."""
+    """On a real terminal, TAB completes a name, Enter sends it, and Ctrl-D ends."""
     pid, terminal = pty.fork()
     if pid == 0:
         os.environ["TERM"] = "xterm"
         os.execv(UNITYLINK, [str(UNITYLINK), "term", f"sim:{SCARA}"])
     seen = b""
     try:
-        seen = _until(terminal, seen, b"\x1b[6n")  # where is the cursor? A terminal answers that.
+        # The program asks where the cursor is. A terminal answers this.
+        seen = _until(terminal, seen, b"\x1b[6n")
         os.write(terminal, b"\x1b[10;1R")
         seen = _until(terminal, seen, b"\x1b[0m>")  # the prompt
         os.write(terminal, b"#R:j1.cp\t")
         seen = _until(
             terminal, b"", b"os"
-        )  # of j1.cpos: all of the line is drawn again, or what is new of it
+        )  # the end of j1.cpos; the program may draw the whole line again, or only its new part
         os.write(terminal, b"\r")
         seen = _until(terminal, seen, b"j1.cpos = ")
         after = seen.partition(b"j1.cpos = ")[2]
-        _until(terminal, after, b"\x1b[?2004h")  # the next prompt: before it Ctrl-D is not for us
+        _until(terminal, after, b"\x1b[?2004h")  # the next prompt; before it, the program does not see Ctrl-D
         os.write(terminal, b"\x04")
     finally:
         _, status = os.waitpid(pid, 0) if b"j1.cpos = " in seen else (os.kill(pid, 9), os.waitpid(pid, 0)[1])

@@ -16,8 +16,8 @@ import pytest
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 UNITYLINK = Path(sys.executable).with_name("unitylink")
-Serve = Callable[..., Any]  # gives the `Server` of conftest.py
-# Plain memory: what is written to a WRITE word is what a read of it gives.
+Serve = Callable[..., Any]  # returns the `Server` of conftest.py
+# Plain memory: a read of a WRITE word returns what was written.
 MEMORY = """
 public mem() {
    a: pair() @ (0x10,0x20);
@@ -333,7 +333,7 @@ def test_a_device_without_publishing_is_watched_by_polling(run: Run, memory: Pat
 def test_watch_on_a_terminal_is_a_live_table(on_terminal: Callable[..., str], memory: Path) -> None:
     shown = on_terminal("watch", "sim:mem.ul", "a.get", "a.set", "--duration", "0.5")
     assert "gateware" in shown and "polled" in shown and "trend" in shown
-    assert "\x1b[?25h" in shown  # the cursor is given back
+    assert "\x1b[?25h" in shown  # the cursor is visible again
 
 
 def test_list_asks_the_device(serve: Serve, run: Run, memory: Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every command that takes a LINK takes one of every scheme: `rtl:` in tests/end_to_end/test_rtl.py."""
+"""Every command that takes a LINK takes one of every scheme. `rtl:` is in tests/end_to_end/test_rtl.py."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_every_form_is_a_link() -> None:
 
 
 def check(said: dict[str, str], *, one_board: bool = True) -> None:
-    """Look whether the commands did what they are for; what was written is read on the same board only."""
+    """Check that each command did its work. A written value can only be read back on the same board."""
     assert "target" in said["list"] and "0x001A" in said["list"]
     assert said["write"].splitlines()[-1] == "target = -7 mm"
     assert "0x0013" in said["read"] and ("-7" in said["read"]) == one_board
@@ -89,10 +89,11 @@ def test_an_ftdi_chip(
     stack: ExitStack, spec: Path, tmp_path: Path, fake_library: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     board = stack.enter_context(Board(load(spec), endpoint="tcp"))
-    shutil.copy(fake_library, tmp_path / "fake_libusb.so")  # which keeps the chip's state
+    # a copy of its own, because the library keeps the chip's state
+    shutil.copy(fake_library, tmp_path / "fake_libusb.so")
     monkeypatch.setenv("UNITYLINK_LIBUSB", str(tmp_path / "fake_libusb.so"))
     monkeypatch.setenv("FAKE_USB", f"serial=FT1 port={board.url.rpartition(':')[2]} log={tmp_path / 'log'}")
-    # the doctor looks for the chip among the machine's own, where it is not
+    # the doctor looks for the chip among the machine's real devices, where it is not
     no_chip = {"doctor": "The FTDI chip is not plugged in"}
     check(converse(lambda: "ftdi:FT1?timeout=2", spec, tmp_path, refused=no_chip))
 

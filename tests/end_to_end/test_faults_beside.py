@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What docs/faults.md says of ours beside LiteX, and that LiteX's side of it runs."""
+"""What docs/faults.md says about our side beside LiteX is true, and LiteX's side of it runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from unitylink_lab.experiments.peer_faults import FAULTS, Fault, met
 
 HERE = Run(True, Path(__file__).resolve().parents[2], lambda text: None)
 NAMED = {fault.name: fault for fault in FAULTS}
-FIGURE = "a write and its proof"  # no test is timed
+FIGURE = "a write and its proof"  # no test checks a time
 
 
 @pytest.mark.parametrize("fault", [fault for name, fault in NAMED.items() if name != FIGURE], ids=str)

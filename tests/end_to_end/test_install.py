@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What users install: a wheel with no compiler and no checkout, an sdist with a compiler, the core for C."""
+"""What users install: a wheel without a compiler or a checkout, an sdist with a compiler, the core for C."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .conftest import ROOT, UNITYLINK
 
 BIN = Path(sys.executable).parent
 FIRST_HOUR = ROOT / "docs" / "first-hour.md"
-PATIENCE_S = 600  # a build on a loaded machine
+PATIENCE_S = 600  # for a build on a loaded machine
 
 
 def call(*command: object, cwd: Path, **environment: str) -> str:
@@ -46,7 +46,7 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def fresh(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheel in it; what it depends on is in the environment of the tests."""
+    """A folder with the wheel installed in it. Its dependencies come from the environment of the tests."""
     folder = tmp_path_factory.mktemp("fresh")
     (wheel,) = wheels.glob("*.whl")
     options = ("--quiet", "--no-deps", "--no-index", "--target", folder)
@@ -54,12 +54,12 @@ def fresh(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-# Without `site`, which would put the checkout before it.
+# Without `site`, which would put the checkout first.
 INSTALLED = (sys.executable, "-S", "-m", "unitylink")
 
 
 def only(fresh: Path) -> dict[str, str]:
-    """Return the environment in which Python finds what is installed there, and not the checkout."""
+    """Return an environment in which Python finds what is installed in `fresh`, and not the checkout."""
     return {"PYTHONPATH": os.pathsep.join((str(fresh), sysconfig.get_path("purelib")))}
 
 
@@ -72,7 +72,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.xdist_group("install")
 class TestWheel:
-    """From `pip install WHEEL` on: no compiler, no checkout, nothing but the wheel and the package index."""
+    """From `pip install WHEEL` on: no compiler, no checkout, only the wheel and the package index."""
 
     def test_the_wheel_is_for_many_linuxes_and_holds_what_comes_along(self, wheels: Path) -> None:
         (wheel,) = wheels.glob("*.whl")
@@ -91,7 +91,8 @@ class TestWheel:
         files = [
             p.relative_to(package.parent) for p in package.rglob("*") if p.suffix != ".so" and p.is_file()
         ]
-        for file in files:  # all of it: a pattern that leaves out too much is seen by users only
+        # check every file, because only users would notice a pattern that leaves out too much
+        for file in files:
             shipped = f"{file} " in listed
             assert shipped or file.parent.name == "__pycache__", file
         assert "share/examples/scara/run.py" in listed
@@ -126,7 +127,7 @@ class TestWheel:
         assert done.returncode == code and "needs a checkout of the source" in done.stderr
 
     def test_the_first_hour_goes_as_written(self, wheels: Path, tmp_path: Path) -> None:
-        """Without a compiler: a robot moves with no publish lost, and a spec of one's own is alive."""
+        """Without a compiler, a robot moves with no publish lost, and a spec of one's own works."""
         (wheel,) = wheels.glob("*.whl")
         page = tmp_path / "first-hour.md"
         call(sys.executable, ROOT / "tools" / "docs" / "first_hour.py", wheel, "--out", page, cwd=tmp_path)
@@ -156,10 +157,11 @@ class TestWheel:
         assert needed <= names
         assert not [name for name in names if name.startswith(("tests/", "build/", ".venv/"))]
 
-    @pytest.mark.long  # all that it compiles is in it, byte by byte: the test above
+    @pytest.mark.long  # the test above compares everything that this compiles, byte by byte
     def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, tmp_path: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
-        # The core's sources are those of this checkout, byte by byte, which were compiled to run this test.
+        # The core's sources in it are those of this checkout, byte by byte. They were compiled to run this
+        # test.
         compiled = ROOT / (ROOT / ".venv" / ".compiled").read_text("utf-8").strip()
         settings = {
             "cmake.define.UNITYLINK_OBJECTS": compiled,
@@ -198,7 +200,7 @@ class TestCore:
         pkg_config = shutil.which("pkg-config")
         assert pkg_config, "pkg-config is missing: install the Debian package pkg-config"
         where = str(prefix / "lib" / "pkgconfig")
-        # `cmake --install --prefix` moves what was configured for another place, and so must we
+        # `cmake --install --prefix` relocates what was configured for another place, and so must this test
         flags = call(
             pkg_config,
             f"--define-variable=prefix={prefix}",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a user does with many words at once, the same results on the twin and on compiled gateware."""
+"""What a user does with many words at once. The results are the same on the twin and on compiled gateware."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Plant:
 
 @pytest.fixture(scope="module")
 def rig(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ModuleType]:
-    """The spec with its plant, and the Python generated for it."""
+    """Return the spec with its plant, and the Python module generated for it."""
     folder = tmp_path_factory.mktemp("rig")
     (folder / "rig.ul").write_text(SPEC)
     (folder / "rig_plant.py").write_text(PLANT)
@@ -66,7 +66,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ModuleType]:
 
 
 def cycles(robot: Any) -> list[Any]:
-    """A control loop: the plant follows sooner or later, what was written is there at once."""
+    """A control loop. The plant may follow sooner or later, but a written value is there at once."""
     told = []
     with robot.cycle() as cycle:
         told.append((cycle.atomic, cycle.notice))
@@ -88,7 +88,10 @@ def cycles(robot: Any) -> list[Any]:
 
 
 def lists(link: Link) -> list[Any]:
-    """Batches: in order, each operation on what those before it have left, the bus held or not."""
+    """Batches: the operations run in order, each on the results of those before it.
+
+    The bus may be held or not.
+    """
     told: list[Any] = []
     for atomic in (False, True):
         link.write_many(range(BANK, BANK + SIZE), range(SIZE))
@@ -102,7 +105,8 @@ def lists(link: Link) -> list[Any]:
             added = batch.read(BANK + 3)
             batch.write_many(range(BANK + 6, BANK + SIZE), [7 * n for n in range(6)])
             burst = batch.read_many(range(BANK + 4, BANK + SIZE))
-        with link.batch(atomic=atomic) as batch:  # as many as the answer kept for repeats has
+        # a second list, so that each reply fits the memory that is kept for repeats
+        with link.batch(atomic=atomic) as batch:
             batch.write_fifo(BANK + 4, [1, 2, 3])
             again = batch.read_fifo(BANK + 4, 3)
         told.append(link.statistics().requests - requests)
@@ -111,7 +115,7 @@ def lists(link: Link) -> list[Any]:
     assert told[:3] == told[3:], "the bus held or not"
     words = link.exchange([BANK, BANK + 5, 0x10], writes=[(BANK, 11), (BANK + 5, 12)], atomic=True)
     told.append(words.tolist())
-    with pytest.raises(DeviceMismatch), link.batch(atomic=True) as batch:  # in one message, or not at all
+    with pytest.raises(DeviceMismatch), link.batch(atomic=True) as batch:  # all in one message, or not at all
         for _ in range(100):
             batch.write(BANK, 0xDEAD)
     told.append(link.read(BANK))
@@ -119,7 +123,10 @@ def lists(link: Link) -> list[Any]:
 
 
 def groups(link: Link) -> list[Any]:
-    """An exchange group: each word in its bytes; an output that is an input, too, is what was written."""
+    """An exchange group: each word has its own number of bytes.
+
+    An output that is also an input reads as it was written.
+    """
     told: list[Any] = []
     with link.exchange_group(writes=[BANK, (BANK + 1, 2)], reads=[(BANK, 3), BANK + 1, BANK + 2]) as group:
         told.append(group.atomic)
@@ -128,7 +135,7 @@ def groups(link: Link) -> list[Any]:
 
 
 def posts(link: Link) -> list[Any]:
-    """A stream of posts, 32 to a message, the last one of each word to stay."""
+    """A stream of posts, 32 in a message. The last one to each word stays."""
     told: list[Any] = []
     for turn in range(3):
         link.post_many([BANK + n % SIZE for n in range(500)], [1000 * turn + n for n in range(500)])
@@ -143,7 +150,10 @@ def posts(link: Link) -> list[Any]:
 
 
 def publishes(robot: Any) -> list[Any]:
-    """Ten ticks of 1 ms between two publishes, by the word that counts them; and no stamp goes back."""
+    """Between two publishes there are ten ticks of 1 ms, by the word that counts them.
+
+    No time stamp goes back.
+    """
     with robot.links[0].subscribe([0x12, 0x11], divisor=10) as subscription:
         times: list[float] = []
         steps: list[int] = []
@@ -158,7 +168,7 @@ def publishes(robot: Any) -> list[Any]:
 
 
 def everything(module: ModuleType, link: Link) -> dict[str, list[Any]]:
-    """Do it all; what came of it, but for what depends on time."""
+    """Do all of it. Return the results, except those that depend on time."""
     assert link.protocol == "framed"
     robot = module.Rig(link)
     return {
@@ -172,7 +182,7 @@ def everything(module: ModuleType, link: Link) -> dict[str, list[Any]]:
 
 @pytest.fixture(scope="module")
 def told(rig: tuple[Path, ModuleType]) -> dict[str, dict[str, list[Any]]]:
-    """What each of the two did."""
+    """Return what each of the two did."""
     folder, module = rig
     results = {}
     for scheme in ("sim", "rtl"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All files of a C++ library compile as one, so that a new file can stand beside any of them."""
+"""All files of a C++ library can be compiled as one, so a new file can stand beside any of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CORE = [path for path in SOURCES if path not in TWIN]
 
 @pytest.mark.parametrize("sources", [CORE, TWIN], ids=["core", "twin"])
 def test_names_in_anonymous_namespaces_differ_between_files(sources: list[Path]) -> None:
-    """CMake compiles eight files as one. Which eight changes with each new file."""
+    """CMake compiles eight files as one. A new file changes which eight these are."""
     assert len(sources) > 20
     compiler = os.environ.get("CXX", "g++")
     folders = [f"-I{ROOT / 'native' / name}" for name in ("include", "src")]

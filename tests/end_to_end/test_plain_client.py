@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/protocol.md is enough: a client of 60 lines without anything of ours talks to the device."""
+"""docs/protocol.md is enough: a client of 60 lines without our library talks to the device."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def test_the_plain_client_writes_and_reads() -> None:
         address = board.url.removeprefix("tcp://")
         assert run(address, "0x10", "42") == "0x10 = 42\n"
         assert board.registers[0x10] == 42
-        board.registers[0x11] = 0x01002300  # with zeros, and a head of the classic protocol
+        # this word has zero bytes, and the first byte of a classic message
+        board.registers[0x11] = 0x01002300
         assert run(address, "0x11") == f"0x11 = {0x01002300}\n"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ports and their troubles through the real command line."""
+"""Ports and their problems, through the real command line."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def test_another_spec_is_found_out_and_ends_with_one(
     done = run("doctor", url, "--spec", "other.ul")
     assert done.returncode == 1
     assert "[other-gateware]" in done.stdout and "other.ul" in done.stdout and "mend: " in done.stdout
-    untold = run("doctor", f"{url}?protocol=classic", "--spec", "other.ul")  # it tells no spec
+    # with the classic protocol, the device cannot tell its spec
+    untold = run("doctor", f"{url}?protocol=classic", "--spec", "other.ul")
     assert untold.returncode == 1
     assert "[wrong-spec]" in untold.stdout and "far at 0x0480" in untold.stdout and "mend: " in untold.stdout
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the README and docs/start.md tell a stranger to type works as it stands."""
+"""A stranger can type what README and docs/start.md print, and it works."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_start_page(tmp_path: Path) -> None:
     )
     made = compile_text((tmp_path / "arm" / "arm.ul").read_bytes(), "arm.ul")
     assert shown.spec is not None and made.spec is not None
-    assert shown.spec.hash == made.spec.hash  # the page shows what `new` writes
+    assert shown.spec.hash == made.spec.hash  # the page shows the file that `new` writes
     script, plant = blocks(START, "python")
     (tmp_path / "arm" / "try.py").write_text(script)
     assert "x.position" in run(sys.executable, "-W", "error", "try.py", cwd=tmp_path / "arm")
@@ -76,7 +76,10 @@ def test_a_new_project_runs(tmp_path: Path) -> None:
 
 
 def test_the_readme_s_first_commands_can_be_pasted_as_they_stand(tmp_path: Path) -> None:
-    """In one go, and none keeps the others waiting: what serves until Ctrl-C stands in a block of its own."""
+    """All in one go.
+
+    No command blocks the others, because one that serves until Ctrl-C stands in a block of its own.
+    """
     shutil.copytree(ROOT / "examples" / "scara", tmp_path / "examples" / "scara")
     block = next(one for one in blocks(README, "sh") if "unitylink new" in one)
     (tmp_path / "pasted.sh").write_text(block)

@@ -21,7 +21,7 @@ from .conftest import PATIENCE_S, SCARA, UNITYLINK, Run
 
 @pytest.fixture
 def replay(tmp_path: Path) -> Iterator[Callable[..., str]]:
-    """Start `unitylink replay ARGUMENTS` and return its URL; it must end with 0."""
+    """Start `unitylink replay ARGUMENTS` and return its URL. It must end with exit code 0."""
     running = []
 
     def start(*arguments: object) -> str:
@@ -46,7 +46,7 @@ def test_yesterday_s_robot_moves_today(
     report = json.loads(done.stdout)
     assert done.returncode == 0 and (report["samples"], report["lost"]) == (100, 0), done.stderr
     recorded = {sample.values["j1.cpos"] for sample in samples(recording)}
-    # an MCAP file brings its spec along
+    # an MCAP file contains its spec
     url = replay(recording, "--loop", *(["--spec", SCARA] if ending == "csv" else []))
     watched = run("watch", url, "j1.cpos", "--spec", SCARA, "--count", 150, "--json")
     assert watched.returncode == 0, watched.stderr
@@ -104,7 +104,7 @@ def test_a_disk_that_fills_up_ends_the_recording_with_what_it_holds(tmp_path: Pa
 
 
 def test_a_recording_that_is_killed_leaves_what_came_until_a_moment_ago(tmp_path: Path) -> None:
-    """Ten samples a second: 64 kB of them would be minutes."""
+    """There are ten samples a second, so 64 kB of them would take minutes."""
     files = [tmp_path / "s.mcap", tmp_path / "s.csv"]
     words = [UNITYLINK, "record", f"sim:{SCARA}?plant=ramp", "j*.cpos", "--rate", "10", "--out"]
     running = [subprocess.Popen([*words, file], stdout=subprocess.DEVNULL) for file in files]
@@ -123,7 +123,7 @@ def test_a_recording_that_is_killed_leaves_what_came_until_a_moment_ago(tmp_path
 
 
 def found(path: Path) -> list[Sample]:
-    """What can be read of a recording that is being made, or was killed."""
+    """Return the samples that can be read from a recording that is still running, or was killed."""
     seen: list[Sample] = []
     with suppress(RecordingTruncated):
         for sample in samples(path):

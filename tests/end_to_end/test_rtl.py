@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The VHDL itself behind the command line, and the SCARA moving on it: `make demo RTL=1` in short."""
+"""The VHDL itself behind the command line, and the SCARA moves on it: `make demo RTL=1` in short."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ PAIR = ROOT / "examples" / "pa10" / "pa10_pair.ul"
 RECORDINGS = ROOT / "tests" / "conformance" / "classic-transcripts.json"
 UNITYLINK = Path(sys.executable).with_name("unitylink")
 
-# One design, compiled once: the tests that need it run one after another.
+# One design is compiled once, and the tests that need it run one after another.
 pytestmark = pytest.mark.xdist_group("rtl")
 
 
@@ -56,7 +56,7 @@ def test_the_line_of_the_gateware_comes_back() -> None:
 
 
 def test_both_arms_of_one_spec_move_on_gateware_of_their_own() -> None:
-    """Each arm's board is compiled from its own design: `make demo-pa10 RTL=1` in short."""
+    """The board of each arm is compiled from a design of its own: `make demo-pa10 RTL=1` in short."""
     spec, plant = load(PAIR), PAIR.with_name("plant.py")
     targets = {"left": [0.02 * (joint + 1) for joint in range(7)], "right": [-0.03] * 7}
     with ExitStack() as stack:
@@ -76,7 +76,7 @@ def test_both_arms_of_one_spec_move_on_gateware_of_their_own() -> None:
 
 
 def move(link: Link) -> None:
-    """Send joint 1 of the SCARA to 800 and see it go."""
+    """Send joint 1 of the SCARA to 800 and watch it move."""
     robot = load_spec_objects(load(SCARA), link)
     seen: list[int] = []
     robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
@@ -146,7 +146,7 @@ def test_scara_moves_behind_the_spi_slave(spi_client: Callable[..., str]) -> Non
 
 
 def test_the_vhdl_and_two_models_on_one_pair(tmp_path: Path) -> None:
-    """Nodes 1 and 3 are twins behind the reference, node 2 is the VHDL: physical layer, core and words."""
+    """Nodes 1 and 3 are twins behind the reference. Node 2 is the VHDL: physical layer, core and words."""
     file = tmp_path / "elbow.ul"
     file.write_text(
         "link elbow (PHYSICAL=rs485, NODE=2); public elbow() { @set = 0x12: WRITE(); @is = 0x13: READ(); }"
@@ -185,7 +185,7 @@ def address_of(url: str) -> tuple[str, int]:
     ("example", "arguments", "said"),
     [
         ("walker18", ["--cycles", "1"], "The walker is there."),
-        pytest.param(  # both arms move behind one design; above each has its own
+        pytest.param(  # here both arms are behind one design; above, each arm has its own
             *("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
             marks=pytest.mark.long,
         ),
@@ -216,7 +216,9 @@ def test_simulate_serves_it(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("runs", [6, pytest.param(40, marks=pytest.mark.long)])
 def test_recordings_on_the_vhdl(run: Run, tmp_path: Path, runs: int) -> None:
-    """On the core that is classic alone; tests/gateware plays all of them to the one with both protocols."""
+    """This is the core with classic only. tests/gateware plays all recordings to the core with both
+    protocols.
+    """
     recorded = json.loads(RECORDINGS.read_text("utf-8"))
     recorded["runs"] = recorded["runs"][:runs]
     some = tmp_path / "some.json"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The documents as a site: built without a complaint, and it needs nothing from the network."""
+"""The documents as a site: it is built without a warning, and it needs nothing from the network."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class TestSite:
         assert "object at 0x" not in page
 
     def test_every_page_of_the_navigation_can_be_reached_by_it(self, site: Path) -> None:
-        """The folders' own pages too, of which one section may have several."""
+        """This includes the folders' own pages. A section may have several of them."""
         front = (site / "index.html").read_text("utf-8")
         reached = set(re.findall(r'class="md-nav__link[^"]*"[^>]*href="([^"#]+)"', front))
         reached |= set(re.findall(r'href="([^"#]+)" class="md-nav__link', front))

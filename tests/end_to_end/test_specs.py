@@ -277,7 +277,7 @@ def test_the_commands_of_the_page_of_the_language(run: Run, tmp_path: Path) -> N
             continue  # it waits for an editor
         more = ["--no-open"] if name == "map" else []
         done = run(name, *arguments.split(), *more)
-        wrong = 1 if name == "diff" else 0  # what breaks is told by the code
+        wrong = 1 if name == "diff" else 0  # the exit code of `diff` says that something breaks
         assert done.returncode == wrong, f"{name} {arguments}:\n{done.stdout}{done.stderr}"
     assert "@on = 0x10: WRITE();" in (tmp_path / "my_robot.ul").read_text()
     assert (tmp_path / "build" / "pa10" / "vhdl" / "pa10_design.vhd").is_file()

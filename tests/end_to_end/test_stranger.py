@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a stranger does wrong or has happen to him: each time a clear end, and nothing lost that had come."""
+"""What a stranger does wrong, or what goes wrong for him.
+
+Each time the end is clear, and nothing that had come is lost.
+"""
 
 from __future__ import annotations
 
@@ -46,8 +49,11 @@ SAMPLES = 2000
 
 @pytest.mark.parametrize("ending", ["mcap", "csv"])
 def test_every_millisecond_of_18_joints_is_in_the_recording(run: Run, tmp_path: Path, ending: str) -> None:
-    """The short form of the ten minutes in docs/recording.md: joints that show the millisecond they are
-    sampled in, read back with the libraries people use."""
+    """The short form of the ten minutes in docs/recording.md.
+
+    The joints show the millisecond in which they are sampled. The recording is read back with the libraries
+    that people use.
+    """
     (tmp_path / "walker.ul").write_text(WALKER)
     (tmp_path / "counter.py").write_text(COUNTER)
     file = tmp_path / f"walker.{ending}"
@@ -93,7 +99,7 @@ def _from_csv(file: Path) -> tuple[list[int], list[float]]:
 def test_a_board_that_goes_away_leaves_what_it_sent(
     serve: Callable[..., Server], tmp_path: Path, endpoint: tuple[str, str]
 ) -> None:
-    """Its plug is pulled while `record` and `plot` run."""
+    """The board's plug is pulled while `record` and `plot` run."""
     (tmp_path / "walker.ul").write_text(WALKER)
     for command, file in (("record", "walker.mcap"), ("record", "walker.csv"), ("plot", "walker.png")):
         server = serve("walker.ul", *endpoint)
@@ -106,7 +112,7 @@ def test_a_board_that_goes_away_leaves_what_it_sent(
             stderr=subprocess.PIPE,
             text=True,
         ) as running:
-            while not trace.exists() or trace.stat().st_size < 50_000:  # what it samples is flowing
+            while not trace.exists() or trace.stat().st_size < 50_000:  # wait until samples flow
                 assert running.poll() is None, running.communicate()
                 time.sleep(0.02)
             server.stop()
@@ -134,7 +140,7 @@ def test_a_device_that_falls_silent_is_asked_whether_it_is_gone(
     ) as watching:
         assert watching.stdout is not None
         json.loads(watching.stdout.readline())
-        server.stop()  # UDP tells nobody, and "port unreachable" may come from anybody
+        server.stop()  # UDP reports nothing, and "port unreachable" may come from anybody
         _, complaints = watching.communicate(timeout=PATIENCE_S)
     assert watching.returncode == 1
     (complaint,) = complaints.splitlines()

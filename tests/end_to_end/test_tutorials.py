@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tutorials have a reader type works: `sh` blocks in one bash, titled blocks as files."""
+"""The commands that the tutorials print work: `sh` blocks in one bash, titled blocks as files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```", re.M | re.S)
 
 
 def script_of(page: str) -> str:
-    """Return all that a page has its reader do, as one bash script."""
+    """Return everything that a page lets its reader type, as one bash script."""
     parts = ["set -e"]
     for language, file, text in BLOCK.findall((ROOT / "docs" / page).read_text("utf-8")):
         assert language in ("sh", "python", "text"), f"{page}: a block of {language}"
@@ -74,8 +74,8 @@ def test_a_tutorial_works_as_it_stands(page: str, says: tuple[str, ...], tmp_pat
         try:
             code = bash.wait(timeout=5 * PATIENCE_S)
         finally:
-            with suppress(ProcessLookupError):  # nothing was left behind
-                os.killpg(bash.pid, signal.SIGTERM)  # a virtual board
+            with suppress(ProcessLookupError):  # there may be no process left
+                os.killpg(bash.pid, signal.SIGTERM)  # end a virtual board that the page has started
     said = output.read_text("utf-8")
     assert code == 0, said
     for text in says:

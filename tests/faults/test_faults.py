@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The engine keeps its promises on a bad wire; the long form is `make soak`."""
+"""The engine keeps its promises on a bad wire. The long form is `make soak`."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from unitylink.commands.faults import RUN_MESSAGES, History, command, histories
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILES = [name for name, _ in _native.fault_profiles()]
-LIARS = ["dead", "half-dead", "closing", "renewing", "refusing"]  # devices; the others are wires
+LIARS = ["dead", "half-dead", "closing", "renewing", "refusing"]  # these are devices; the others are wires
 
 
 def test_pages_name_the_profiles_and_the_shards_of_a_soak() -> None:
-    """`make soak` says where the next shard begins, docs/faults.md and the help which profiles there are."""
-    shard = len(PROFILES) * RUN_MESSAGES  # messages that each seed gives, one history a profile
+    """`make soak` says where the next shard begins. docs/faults.md and the help name the profiles."""
+    shard = len(PROFILES) * RUN_MESSAGES  # messages that each seed gives, with one history for each profile
     assert f"SEED + MESSAGES / {shard})" in (ROOT / "Makefile").read_text("utf-8")
     table = (ROOT / "docs" / "faults.md").read_text("utf-8").partition("## The profiles")[2]
     assert re.findall(r"^\| `([\w-]+)` \|", table.partition("## When it fails")[0], re.M) == PROFILES
@@ -59,7 +59,7 @@ with ThreadPoolExecutor(8) as pool:
 
 
 def test_the_same_seed_gives_the_same_history_on_any_machine() -> None:
-    """Byte by byte: alone, and with seven others at once where fresh memory is full of another pattern."""
+    """The same byte by byte in two processes. One of them has fresh memory filled with another pattern."""
     code = ELSEWHERE.replace("MESSAGES", "1500")
     environment = {**os.environ, "MALLOC_PERTURB_": "85"}
     command = [sys.executable, "-c", code]
@@ -75,11 +75,12 @@ def test_the_same_seed_gives_the_same_history_on_any_machine() -> None:
 @pytest.mark.parametrize("protocol", ["framed", "classic"])
 @pytest.mark.parametrize("profile", PROFILES)
 def test_all_is_as_before_after_the_faults(profile: str, protocol: str, window: int) -> None:
-    """On the virtual clock: from 50 ms after the last fault on, 95 % of the rate before the first.
+    """On the virtual clock, 50 ms after the last fault, the rate is 95 % of the rate before the first fault.
 
-    Behind a device that lies it is four timeouts later, and no operation that is begun then fails.
+    Behind a lying device, this counts from four timeouts later. No operation that begins after that fails.
 
-    Those of one history with a window of 1 differ by 5 % by its kinds of requests alone: the median counts.
+    With a window of 1, the rates of one history differ by 5 % because of their kinds of requests. So the
+    median of three counts.
     """
     shares = []
     for seed in range(1, 4 if window == 1 else 2):
@@ -93,7 +94,10 @@ def test_all_is_as_before_after_the_faults(profile: str, protocol: str, window: 
 
 @pytest.mark.parametrize("profile", LIARS)
 def test_a_device_that_lies_makes_operations_fail(profile: str) -> None:
-    """The profile bites; that each ends in its time is judged in every step of every history."""
+    """The profile makes operations fail.
+
+    Every step of every history checks that each operation ends in its time.
+    """
     report = History(7, 4000, profile, "framed", 16, 32).run()
     assert report["failed"] + report["unknown"] > report["good"]
     assert report["violations"] == []

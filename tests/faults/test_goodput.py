@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What gets through a line on a virtual clock: each word once, and how fast where frames are lost."""
+"""What passes a line on a virtual clock: each word once, and how fast if frames are lost."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from unitylink_lab.bench.goodput import ASKED, BYTE_NS, LOSS, POSTS, REQUESTS, T
 
 ROOT = Path(__file__).resolve().parents[2]
 WORDS = 20_000
-FRAME_BYTES = {"posts": 14, "writes": 14, "reads": 14}  # of one word, on the busier way
+FRAME_BYTES = {"posts": 14, "writes": 14, "reads": 14}  # bytes to move one word, in the busier direction
 LINE_PER_S = 1e9 / BYTE_NS
 
 
@@ -34,7 +34,10 @@ def test_requests_are_close_to_ideal_selective_repeat(traffic: Traffic) -> None:
 
 @pytest.mark.parametrize(("lose", "share"), [(0.001, 0.9), (0.01, 0.75), (0.1, 0.3)])
 def test_posts_arrive_in_order_and_once_where_frames_are_lost(lose: float, share: float) -> None:
-    """What is behind a lost one is sent again; were that noticed late, the rate would be far lower."""
+    """Everything after a lost post is sent again.
+
+    If the loss were noticed late, the rate would be far lower.
+    """
     assert goodput(POSTS, lose, words=WORDS, seed=3).share >= share
 
 

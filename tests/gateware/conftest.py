@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Analyses the gateware once a session and runs its self-checking benches in GHDL."""
+"""Analyse the gateware once a session, and run its self-checking benches in GHDL."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from unitylink.spec import Spec
 from unitylink_lab.conformance.rtl import RtlPlayer
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
-SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs
+SECONDS_MOST = 120  # a bench has a watchdog on simulated time; this limit is for a simulator that hangs
 
 
-# A folder: count executed lines there, with the gcc backend of GHDL (tools/coverage.py). Empty: no counting.
+# A folder in which executed lines are counted, with the gcc backend of GHDL (tools/coverage.py). If it is
+# empty, no lines are counted.
 COVERAGE = os.environ.get("UNITYLINK_COVERAGE", "")
 COUNT_LINES = ["-fprofile-arcs", "-ftest-coverage", "-Wl,-lgcov", "-Wl,--coverage"]
 
@@ -39,14 +40,17 @@ class Ghdl:
         )
         self.executable = executable
         self.work = work
-        # Our own VHDL compares nothing that is not known. Gates do, and so does a bus that decodes an address
-        # nobody strobes: in netlists and in generated designs a warning of numeric_std says nothing.
+        # Our own VHDL never compares an unknown value. Gates do, and so does a bus that decodes an address
+        # without a strobe. So in netlists and generated designs, a warning of numeric_std means nothing.
         self.strict = strict
         self.make = ["-m", "--std=08", "-Wno-hide", *(COUNT_LINES if count_lines else [])]
         self._call("-i", "--std=08", *map(str, sources))
 
     def run(self, bench: str, *options: str, **generics: int | str | bool) -> str:
-        """Elaborate and run `bench`; its output. A failed assertion fails the test, as does an early end."""
+        """Elaborate and run `bench`, and return its output.
+
+        A failed assertion fails the test, and so does a bench that ends early.
+        """
         self._call(*self.make, bench)
         settings = [
             f"-g{name}={str(value).lower() if isinstance(value, bool) else value}"
@@ -55,19 +59,20 @@ class Ghdl:
         checks = ["--assert-level=error", "--ieee-asserts=disable-at-0"]
         output = self._call("-r", "--std=08", bench, *settings, *checks, *options)
         assert re.search(rf"{bench}: passed", output), f"{bench} stopped before its end\n{output}"
-        doubts = [line for line in output.splitlines() if "(assertion warning)" in line]  # as of numeric_std
+        # the warnings that numeric_std gives
+        doubts = [line for line in output.splitlines() if "(assertion warning)" in line]
         remedy = "a metavalue is a signal without a value before the reset: give it an initial one"
         assert not (self.strict and doubts), f"{bench}: {len(doubts)} warnings ({remedy}), first {doubts[0]}"
         return output
 
     def refuse(self, bench: str, message: str, **generics: int | str | bool) -> None:
-        """Elaborate `bench` with generics that may not be: it must fail, and say `message`."""
+        """Elaborate `bench` with generics that are not allowed. It must fail with `message`."""
         self._call(*self.make, bench)
         with pytest.raises(AssertionError, match=re.escape(message)):
             self.run(bench, **generics)
 
     def synthesise(self, entity: str, *harmless: str) -> str:
-        """The netlist of `entity`, as VHDL, with its default generics; a warning fails the test."""
+        """Return the netlist of `entity` as VHDL, with its default generics. A warning fails the test."""
         self._call(*self.make, entity)
         output = self._call("--synth", "--std=08", entity)
         wrong = [
@@ -76,13 +81,13 @@ class Ghdl:
             if "warning:" in line and not any(text in line for text in (*harmless, "unhandled attribute"))
         ]
         assert not wrong, wrong
-        end = "end rtl;\n"  # behind it `_call` puts GHDL's notes about memories it found
+        end = "end rtl;\n"  # `_call` appends GHDL's notes about memories after it
         return output[: output.rindex(end) + len(end)]
 
     def run_netlist(
         self, entity: str, work: Path, bench: str | None = None, **generics: int | str | bool
     ) -> None:
-        """Run the bench of `entity` on its netlist; `generics` are those that differ from the bench's own."""
+        """Run the bench of `entity` on its netlist. `generics` are those that differ from the bench's own."""
         path = work / f"{entity}.vhd"
         path.write_text(self.synthesise(entity))
         others = [source for source in sorted(GATEWARE.rglob("*.vhd")) if source.stem != entity]
@@ -100,7 +105,7 @@ class Ghdl:
 
 @pytest.fixture(scope="session")
 def ghdl(tmp_path_factory: pytest.TempPathFactory) -> Ghdl:
-    """All of gateware/, entities and benches."""
+    """All of gateware/: entities and benches."""
     sources = sorted(GATEWARE.rglob("*.vhd"))
     if not COVERAGE:
         return Ghdl(tmp_path_factory.mktemp("ghdl"), sources, strict=True)
@@ -111,7 +116,7 @@ def ghdl(tmp_path_factory: pytest.TempPathFactory) -> Ghdl:
 
 @pytest.fixture
 def rtl(ghdl: Ghdl, tmp_path: Path) -> RtlPlayer:
-    """Plays steps to the core."""
+    """A player that gives steps to the core."""
     return RtlPlayer(ghdl, tmp_path)
 
 
@@ -125,7 +130,7 @@ class Designs:
     def library(
         self, spec: Spec, configuration: BoardConfiguration | None = None, others: Sequence[Path] = ()
     ) -> Ghdl:
-        """The design, all of the gateware, and `others`."""
+        """Return a library of the design, all of the gateware, and `others`."""
         for name, text in generate_vhdl(spec, configuration).items():
             (self.folder / name).parent.mkdir(exist_ok=True)
             (self.folder / name).write_text(text, encoding="utf-8")
@@ -135,7 +140,10 @@ class Designs:
     def play(
         self, spec: Spec, bench: str, steps: Sequence[str | int], others: Sequence[Path] = ()
     ) -> list[bytes]:
-        """Send each text, or wait so many clocks, in a bench of designs/; what came during each step."""
+        """Send each text, or wait so many clocks, in a bench of designs/.
+
+        Return what came during each step.
+        """
         lines = [f"w {step}" if isinstance(step, int) else f"s {step.encode().hex()}" for step in steps]
         (self.folder / "steps.txt").write_text("\n".join(lines) + "\n", encoding="ascii")
         benches = Path(__file__).parent / "designs"

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Histories of the compiled gateware behind wires and devices that lie, until the time is used up.
+"""Play histories of the compiled gateware behind faulty wires and devices, until the time is used up.
 
-`python tests/gateware/fuzz_rtl_faults.py --seconds 60 --seed 1`; the tests run a short one of each profile.
+Example: `python tests/gateware/fuzz_rtl_faults.py --seconds 60 --seed 1`. The tests run a short history of
+each profile.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sees the base strobes of a core in the bench, and how long after each a publish asks for the bus."""
+"""Measure the base strobes of a core in a bench, and the time from each to the bus access of a publish."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from unitylink.simulate import BoardConfiguration
 
 CLOCK_FS = 2_000_000  # of replay_tb
 STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
-PUBLISHED = 0x77  # the first word of the publish that is watched
+PUBLISHED = 0x77  # the address of the first word of the publish that is watched
 
 
 def ticks_of(path: Path) -> list[int]:
-    """The clocks at which the base strobe rises, from the waves of one signal."""
+    """Return the clocks at which the base strobe rises, from the waves of one signal."""
     now, found = 0, []
     for line in path.read_text(encoding="ascii").splitlines():
         if line.startswith("#"):
@@ -27,7 +27,7 @@ def ticks_of(path: Path) -> list[int]:
 
 
 class WithOptions:
-    """A simulator that is told more of in each run."""
+    """A simulator that gets extra options in each run."""
 
     def __init__(self, ghdl: Any, options: tuple[str, ...]) -> None:
         self.ghdl, self.options = ghdl, options
@@ -37,7 +37,7 @@ class WithOptions:
 
 
 class Watch:
-    """Plays to the core and sees its base strobes."""
+    """A player for the core that also sees its base strobes."""
 
     def __init__(self, rtl: Any, folder: Path) -> None:
         self.rtl, self.waves = rtl, folder / "ticks.vcd"
@@ -48,7 +48,7 @@ class Watch:
     def delays(
         self, configuration: BoardConfiguration, steps: Sequence[tuple[str, Any]], **generics: Any
     ) -> list[int]:
-        """Clocks from each base strobe, the first apart, to the first bus strobe at PUBLISHED."""
+        """Return the clocks from each base strobe but the first to the first bus strobe at PUBLISHED."""
         self.rtl(configuration, [steps], **generics)
         ticks = ticks_of(self.waves)
         accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == PUBLISHED]

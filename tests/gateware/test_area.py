@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware does not grow unnoticed: yosys counts again and compares with the record of `make synth`."""
+"""The gateware does not grow unnoticed: yosys counts again, and the test compares with the record of
+`make synth`.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ PAGE = ROOT / "docs" / "gateware" / "area.md"
 
 @pytest.fixture
 def flow(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """tools/synth/flow.py, which is no package."""
+    """Import tools/synth/flow.py, which is no package."""
     monkeypatch.syspath_prepend(str(ROOT / "tools" / "synth"))
     return importlib.import_module("flow")
 
@@ -30,7 +32,7 @@ def rows() -> Any:
 
 
 def grown(flow: Any, row: Any, recorded: dict[str, Any]) -> list[str]:
-    """Return what yosys counts more of than the record has, of a row whose gateware has changed since."""
+    """Return what yosys counts more of than the record has, for a row whose gateware has changed since."""
     if recorded.get("digest") == flow.digest(row):
         return []
     verilog = flow.verilog_of(row)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whatever stalls, for how long ever: the same replies in the same order, the same publishes, all whole."""
+"""Whatever stalls, and for however long: replies and publishes are whole, equal, and in the same order."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ import pytest
 
 from unitylink_lab.conformance.bench import bench, play_on_twin
 
-# Two groups with rates, two with edge events; a lone head ends what a lite datalink still waits for.
+# Two groups have rates, two have edge events. A lone head ends a message for which a lite datalink still
+# waits.
 CONFIGURATION = bench({"SG": 2, "SW": 3, "FREQ": 5000, "IRQEDGE": 0b1100})
 SETTINGS = (
     "#WSA:0003101112\n#WSR:000001\n#WSA:010120\n#WSR:010002\n"
@@ -52,7 +53,7 @@ def exchanges(seed: int) -> list[list[tuple[str, Any]]]:
 
 
 def parted(answer: bytes) -> tuple[list[bytes], list[bytes], list[bytes]]:
-    """Replies, errors told by the datalink, and publishes by event."""
+    """Return the replies, the errors reported by the datalink, and the publishes by event."""
     lines = answer.splitlines(keepends=True)
     assert all(WHOLE.fullmatch(line) for line in lines), lines
     replies = [line for line in lines if line[:1] in b"#$"]

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The core in GHDL answers the recordings of the 2012 gateware, and its defects rightly."""
+"""The core in GHDL replays the recordings of the 2012 gateware, and answers correctly where that had a
+defect.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,13 @@ def wrong(report: Report, status: str) -> str:
 
 
 def test_recordings(rtl: Any) -> None:
-    """With both protocols; the command line plays them to the core that is classic alone (test_rtl.py)."""
+    """The core has both protocols here.
+
+    The command line plays the recordings to a core with classic only (test_rtl.py).
+    """
 
     def player(configuration: Any, exchanges: Any) -> Any:
-        # The other datalinks are for classic text alone.
+        # the other datalinks are for classic text only
         chosen = "both" if configuration.datalink == "full" else "classic"
         return rtl(configuration, exchanges, protocol=chosen)
 

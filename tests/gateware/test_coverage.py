@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The record of the lines that benches execute is of the gateware as it is: `make coverage` makes it anew."""
+"""The record of executed lines fits the gateware as it is. `make coverage` makes it anew."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def coverage(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """tools/coverage.py, which is no package."""
+    """Import tools/coverage.py, which is no package."""
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
     return importlib.import_module("coverage")
 
@@ -47,7 +47,7 @@ def test_a_bench_that_fails_leaves_the_record(
     record.write_text("{}")
     monkeypatch.setattr(coverage, "RECORD", record)
     monkeypatch.setattr(coverage, "COUNTS", tmp_path / "counts")
-    monkeypatch.setattr(coverage.sys, "executable", "false")  # in place of pytest with a failed test
+    monkeypatch.setattr(coverage.sys, "executable", "false")  # a stand-in for pytest with a failed test
     assert coverage.main([]) == 1
     assert "a bench failed (see above), so coverage.json stays as it was" in capsys.readouterr().out
     assert record.read_text() == "{}"

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cycle figures of the core at 8-bit addresses and 32-bit data; the bus acknowledges one clock late.
+"""The cycle figures of the core with 8-bit addresses and 32-bit data. The bus acknowledges one clock late.
 
-The constants are what the core does, and must not get worse. docs/gateware/core.md has them beside the goals.
+The constants are what the core takes. They must not get worse. docs/gateware/core.md shows them beside the
+goals.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ READ_PERIOD = 14  # goal 16: the reply has 14 bytes
 READ_PERIOD_CHECKED = 17  # goal 19: the reply has 17 bytes
 WRITE_PERIOD = 14  # goal 16: the request has 14 bytes
 WRITE_PERIOD_CHECKED = 17  # the request has 17 bytes
-READ_MANY_FIXED = 14  # last in to last out: goal 14, and 8 a word
-PUBLISH_FIXED = 10  # back to back: goal 12, and 8 a word; a publish has 10 + 8 n bytes
+READ_MANY_FIXED = 14  # from last byte in to last byte out: goal 14, and 8 for each word
+PUBLISH_FIXED = 10  # back to back: goal 12, and 8 for each word; a publish has 10 + 8 n bytes
 CLOCKS_A_WORD = 8
-STACK_READ = 32  # through both FIFOs, first in to last out: goal 36
+STACK_READ = 32  # through both FIFOs, from first byte in to last byte out: goal 36
 STACK_WRITE = 35  # goal 36
 
 CONFIGURATION = bench({"FREQ": 100000})
@@ -48,12 +49,12 @@ def test_the_page_has_these_figures() -> None:
 
 
 def clocks(rtl: Any, kind: str, byte: str = "") -> list[int]:
-    """The clocks of the events of one kind in the last run."""
+    """Return the clocks of the events of one kind in the last run."""
     return [at for what, at, value in rtl.times if what == kind and (not byte or value == ord(byte))]
 
 
 def burst(rtl: Any, message: str) -> int:
-    """The steady period of a message that is sent over and over."""
+    """Return the steady period of a message that is sent again and again."""
     count = 24
     answers = rtl(CONFIGURATION, [[("send", message * count), ("quiet", 100)]])
     ends = clocks(rtl, "b", "\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The core with each variant of the datalink: its cycle figures, which docs/gateware/datalink.md has too."""
+"""The core with each variant of the datalink: its cycle figures, as in docs/gateware/datalink.md."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "datalink.md"
 
 
 def spelled(message: str, datalink: str) -> str:
-    """The request as it is on the wire: without a datalink, data are bytes."""
+    """Return the request as it is on the wire.
+
+    Without a datalink, data are bytes and not hexadecimal digits.
+    """
     command, colon, data = message.rstrip("\n").partition(":")
     if datalink == "none":
         data = bytes.fromhex(data).decode("latin-1")

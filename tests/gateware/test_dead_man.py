@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The host dies at any moment, behind every physical layer: the outputs become safe all the same."""
+"""The host dies at any moment, behind every physical layer. The outputs become safe all the same."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Step = tuple[str, Any]
 
 
 class Host:
-    """What a host says, as steps of the bench; ids count from session to session anew."""
+    """What a host sends, as steps of the bench. Ids start again in each session."""
 
     def __init__(self, physical: str = "none") -> None:
         self.physical = physical
         self.steps: list[Step] = []
-        self.marks: dict[str, tuple[int, int]] = {}  # step and epoch
+        self.marks: dict[str, tuple[int, int]] = {}  # name -> (step, epoch)
         self.nonce = self.epoch = 0
         self.next_id = self.posts = 0
 
@@ -36,23 +36,29 @@ class Host:
         self.steps += steps
 
     def say(self, data: bytes, pause: int = 0) -> None:
-        """Send; a PC that asks an SPI slave or a node for bytes does so behind it."""
+        """Send bytes.
+
+        Then, if needed, let the SPI slave or the node send: a PC has to clock or poll its bytes out.
+        """
         if self.physical == "spi_slave":
             data += bytes(80)
         elif self.physical == "rs485":
             data = b"\0" + token(1, poll=False) + data + token(1, poll=True)
         self.do(("send", data.decode("latin-1")))
-        if self.physical == "rs485":  # the node has its turn
+        if self.physical == "rs485":  # wait while the node has its turn
             self.settle()
         elif pause:
             self.do(("wait", pause))
 
     def settle(self) -> None:
-        """Wait until all is said, which takes a serial line its time: 80 clocks a byte, and a FIFO has 16."""
+        """Wait until the device has sent everything.
+
+        On a serial line a byte takes 80 clocks, and a FIFO has 16.
+        """
         self.do(("quiet", 2500 if self.physical in ("uart", "rs485") else 500))
 
     def mark(self, name: str) -> None:
-        """What is answered from here to the next mark can be asked for by this name."""
+        """Give a name to the answers from here to the next mark."""
         self.marks[name] = (len(self.steps), self.epoch)
 
     def open(self) -> None:
@@ -62,7 +68,7 @@ class Host:
         hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
         last = Frame(p.REQUEST_KIND_OPEN, field((self.nonce, 2), (self.epoch, 2), (0, 1))).encode()
         self.say(b"\0\0" + hello + last)
-        self.settle()  # as a host does, which waits for the answer
+        self.settle()  # a real host waits for the answer, too
 
     def ask(self, kind: int, *fields: tuple[int, int]) -> bytes:
         frame = Frame(kind, field((self.next_id, 2), *fields)).encode(self.epoch)
@@ -89,9 +95,9 @@ class Host:
         return self.ask(p.REQUEST_KIND_DEFINE_EXCHANGE, (0, 1), (2, 1), (2, 1), *members)
 
     def traffic(self) -> list[bytes]:
-        """Everything that holds the bus or writes, one behind the other."""
+        """Return everything that holds the bus or writes, one after another."""
         reads = (
-            (1, 1),  # the bus is held
+            (1, 1),  # this flag holds the bus
             (p.LIST_OPERATION_READ, 1),
             (12, 1),
             *((0x20 + n, 2) for n in range(12)),
@@ -117,7 +123,7 @@ def play(rtl: Any, host: Host, tick: int, **generics: Any) -> list[bytes]:
 
 
 def replies(host: Host, answers: Sequence[bytes], mark: str) -> list[tuple[int, str]]:
-    """Status and data of what was answered between a mark and the next one."""
+    """Return the status and the data of each reply between a mark and the next one."""
     start, epoch = host.marks[mark]
     end = min((at for at, _ in host.marks.values() if at > start), default=len(answers))
     frames = [Frame.decode(piece, epoch) for piece in Borders().feed(b"".join(answers[start:end]))]
@@ -129,20 +135,23 @@ def replies(host: Host, answers: Sequence[bytes], mark: str) -> list[tuple[int, 
 
 
 def written(times: Sequence[tuple[str, int, int]]) -> list[tuple[int, int, int]]:
-    """What was written on the bus: clock, address, word."""
+    """Return what was written on the bus: clock, address, word."""
     values = [number & 0xFFFFFFFF for kind, _, number in times if kind == VALUE]
     places = [(clock, address) for kind, clock, address in times if kind == WRITTEN]
     return [(*place, value) for place, value in zip(places, values, strict=True)]
 
 
 def edges(times: Sequence[tuple[str, int, int]], kind: str) -> list[tuple[int, int]]:
-    """Pairs of the clocks at which something begins and ends."""
+    """Return pairs of clocks: something of `kind` begins at the first and ends at the second."""
     clocks = [clock for found, clock, _ in times if found == kind]
     return list(zip(clocks[::2], clocks[1::2], strict=True))
 
 
 def check_trips(times: Sequence[tuple[str, int, int]], tick: int, access: int, late: int) -> None:
-    """Each silence trips in time; behind it all safe values are written in time, and nothing else is."""
+    """Check that each silence trips in time.
+
+    After it, all safe values are written in time, and nothing else is.
+    """
     silences, trips, writes = edges(times, DEAD), edges(times, TRIP), written(times)
     assert len(trips) == len(silences)
     bound = (len(SAFE) + 1) * (access + 1)
@@ -150,7 +159,7 @@ def check_trips(times: Sequence[tuple[str, int, int]], tick: int, access: int, l
         assert tripped <= dead + late + TICKS * tick + 1, "it trips at its tick"
         assert alive < armed, "until it is armed"
         behind = [(clock, (at, word)) for clock, at, word in writes if tripped <= clock < armed]
-        begun = len(behind) - len(SAFE)  # a write that was on the bus at the trip
+        begun = len(behind) - len(SAFE)  # 1 if a write was on the bus at the trip
         assert begun in (0, 1)
         assert [what for _, what in behind[begun:]] == SAFE
         assert behind[0][0] <= tripped + access or not begun
@@ -158,7 +167,7 @@ def check_trips(times: Sequence[tuple[str, int, int]], tick: int, access: int, l
 
 
 def begin(host: Host, ticks: int = TICKS) -> None:
-    """A session that publishes, with a dead-man."""
+    """Open a session that publishes and has a dead-man."""
     host.open()
     host.say(host.group(), 200)
     host.say(host.exchange_group(), 200)
@@ -167,7 +176,7 @@ def begin(host: Host, ticks: int = TICKS) -> None:
 
 
 def cut(host: Host, name: str, tick: int, moment: int) -> None:
-    """A session in which the host falls silent at a moment of its traffic, and the one behind it."""
+    """Play two sessions. In the first one the host falls silent at a moment of its traffic."""
     begin(host)
     host.do(("dead", moment + 1))
     for data in host.traffic():
@@ -185,7 +194,8 @@ def cut(host: Host, name: str, tick: int, moment: int) -> None:
     host.settle()
 
 
-# Behind each layer: clocks of a tick, how late a byte may come in at most, and the moments of the traffic.
+# For each layer: the clocks of a tick, the most clocks by which a byte may be late, and the moments of the
+# traffic.
 LAYERS = {
     "none": (600, 60, range(0, 330, 11)),
     "ft245_async": (3000, 400, range(0, 3000, 499)),
@@ -199,7 +209,7 @@ LAYERS = {
 @pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("physical", LAYERS)
 def test_a_host_that_dies_at_any_moment(rtl: Any, physical: str, every: int) -> None:
-    """At every moment of LAYERS; in `make test` at a third of them, but at one at least."""
+    """This tries every moment of LAYERS, and in `make test` a third of them, but at least one."""
     tick, late, moments = LAYERS[physical]
     moments = moments[len(moments) // 2 % every :: every]
     host = Host(physical)
@@ -213,14 +223,14 @@ def test_a_host_that_dies_at_any_moment(rtl: Any, physical: str, every: int) -> 
         assert told[:5] == [*safe, (DENIED, ""), (OK, ""), (OK, "")], f"dead from clock {moment} on"
 
 
-# A host that takes nothing: clocks of a tick, how late a byte may come in, and until it says nothing more.
+# For a host that reads nothing: the clocks of a tick, how late a byte may be, and when it stops sending.
 DEAF = {"none": (600, 60, 10_000), "ft245_async": (1000, 400, 20_000), "ft245_sync": (800, 400, 12_000)}
-FRAMES_UNHEARD = 16  # so many more are taken behind an answer that waits
+FRAMES_UNHEARD = 16  # so many more frames are taken while an answer waits
 
 
 @pytest.mark.parametrize("physical", DEAF)
 def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any, physical: str) -> None:
-    """Its posts are executed; behind requests, whose answers wait, there is room for some frames more."""
+    """Its posts are executed. When answers wait to be sent, there is still room for some more frames."""
     tick, late, life = DEAF[physical]
     host = Host(physical)
     begin(host)
@@ -255,7 +265,7 @@ def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any, physical: s
     assert others == [(OK, ""), (OK, "")]
 
 
-PLACES = range(0x40, 0x46)  # what is written when it trips
+PLACES = range(0x40, 0x46)  # the addresses that are written when it trips
 WORDS = [(at, number) for number, at in enumerate(PLACES, 1)]
 COUNT = len(PLACES)
 
@@ -278,7 +288,7 @@ def _posts(host: Host) -> bytes:
 
 
 def of_trips(times: Sequence[tuple[str, int, int]]) -> list[list[tuple[int, int]]]:
-    """What was written before each trip, and behind the one before."""
+    """Return, for each trip, what was written since the trip before."""
     trips: list[list[tuple[int, int]]] = [[]]
     for _, at, word in written(times):
         trips[-1].append((at, word))
@@ -288,7 +298,8 @@ def of_trips(times: Sequence[tuple[str, int, int]]) -> list[list[tuple[int, int]
     return trips
 
 
-# Of each request: clocks of a tick, about as many as it takes to come in and be executed; replies it may get.
+# For each request: a tick in clocks, about as long as the request takes to come in and be executed; and for
+# each possible status, how many words were written.
 CAUGHT = {
     _write: (61, {OK: 1, DENIED: 0}),
     _write_list: (241, {OK: COUNT, ERROR: None, DENIED: 0}),
@@ -299,7 +310,7 @@ CAUGHT = {
 
 @pytest.mark.parametrize("what", CAUGHT)
 def test_what_a_trip_catches_is_told_as_it_went(rtl: Any, what: Callable[[Host], bytes]) -> None:
-    """At whatever clock it trips: what the replies say was written, was, and no more."""
+    """At whatever clock it trips: exactly the words were written that the replies tell."""
     tick, expected = CAUGHT[what]
     rounds = range(20)
     host = Host()

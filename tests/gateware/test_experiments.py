@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the experiments say of our gateware: its own clocks, as its pages have them."""
+"""What the experiments say about our gateware: the clocks in them are those of its pages."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from unitylink_lab.experiments.publish_delay import publish_delay
 from unitylink_lab.experiments.virtual_link import VirtualLink
 
 PAGES = Path(__file__).resolve().parents[2] / "docs" / "gateware"
-SPLITTER_CLOCKS = 1  # both protocols on one port: classic bytes come a clock later
+SPLITTER_CLOCKS = 1  # with both protocols on one port, classic bytes come one clock later
 
 
 def page_row(page: str, start: str) -> int:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Irregular data through a FIFO that triggers its own subscription group: the core in GHDL, and the twin."""
+"""Irregular data through a FIFO that triggers its own subscription group: in the core in GHDL, and in the
+twin.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ from unitylink.interface.board_configuration import BoardConfiguration, FifoConf
 FIFO = 0x40
 DEPTH = 16
 SETTINGS = (
-    "#WSA:010140\n#WSA:000101\n#WSR:000005\n#WIC:0002\n#EPS\n"  # group 1 is the FIFO, group 0 has a rate
+    "#WSA:010140\n#WSA:000101\n#WSR:000005\n#WIC:0002\n#EPS\n"  # group 1 is the FIFO; group 0 has a rate
 )
 PUBLISH = b"%PUB:0101"
 Schedule = list[tuple[int, int]]  # clock, word
@@ -35,7 +37,7 @@ def configuration(publish_mode: int, remind_clocks: int) -> BoardConfiguration:
 
 
 def on_rtl(ghdl: Any, folder: Path, words: Schedule, requests: Requests, **generics: int) -> list[bytes]:
-    """The lines the core sends."""
+    """Return the lines that the core sends."""
     files = {name: folder / f"{name}.txt" for name in ("words", "requests", "answers")}
     files["words"].write_text("".join(f"{clock} {word:08x}\n" for clock, word in words))
     files["requests"].write_text("".join(f"{clock} {text.encode().hex()}\n" for clock, text in requests))
@@ -64,7 +66,7 @@ def published(lines: list[bytes]) -> list[int]:
 
 
 def irregular(seed: int, count: int = 150) -> Schedule:
-    """Single words, bursts and silences; never more at once than the FIFO holds."""
+    """Return single words, bursts and silences, with never more words at once than the FIFO holds."""
     draw, clock, words = random.Random(seed), 2000, []
     while len(words) < count:
         burst = draw.choice([1, 1, 1, 2, 5, DEPTH - 2])
@@ -90,7 +92,7 @@ def test_every_word_once_and_in_order(ghdl: Any, tmp_path: Path, seed: int, publ
 
 
 def test_words_that_were_there_before_anybody_asked(ghdl: Any, tmp_path: Path) -> None:
-    """The event rose before the group was enabled; it does so again after `remind_clocks`."""
+    """The event rose before the group was enabled. It rises again after `remind_clocks`."""
     words = [(100 + n, 0x1000 + n) for n in range(5)]
     requests = [(900, SETTINGS)]
     rtl = on_rtl(ghdl, tmp_path, words, requests, remind_clocks=5000)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The short form of `make formal`: quick blocks hold and notice a fault; rows, record and page agree."""
+"""The short form of `make formal`: quick blocks hold and notice a fault. Rows, record and page agree."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RECORD = json.loads((GATEWARE / "formal.json").read_text(encoding="utf-8"))
 
 @pytest.fixture
 def tools(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """Import by name from tools/formal, which is no package."""
+    """Import tools/formal, which is no package, by its name."""
     monkeypatch.syspath_prepend(str(ROOT / "tools" / "formal"))
     yield importlib.import_module
 
@@ -82,7 +82,10 @@ def test_each_part_of_a_claim_has_its_moment(tools: Any, claim: str, moments: li
 
 
 def late_block(tools: Any, depth: int, **others: Any) -> Any:
-    """`fifo`, searched for fewer clocks than it takes to fill it; bounded, where nothing else is said."""
+    """Return the block `fifo`, searched for fewer clocks than it takes to fill it.
+
+    It is bounded unless `others` say otherwise.
+    """
     return dataclasses.replace(block_of(tools, "fifo"), **{"depth": depth, "pdr": False} | others)
 
 

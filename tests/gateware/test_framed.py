@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The core with the framed protocol: the reference's bytes, and what the reference has no time for."""
+"""The core with the framed protocol gives the reference's bytes.
+
+Some tests need time, which the reference does not have.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,16 @@ from unitylink import protocol as p
 from unitylink.interface.board_configuration import BoardConfiguration
 
 SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
-BAD = 0x38  # four words that answer with an error, and four that do not answer
+BAD = 0x38  # four addresses answer with an error, and the next four do not answer
 TICK = 500  # clocks
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed.md"
 
 
 def play(rtl: Any, settings: Settings, steps: Sequence[Any], **generics: Any) -> list[bytes]:
-    """What the core answers to each step: bytes, sent until all is quiet, or a step of the bench."""
+    """Return what the core answers to each step.
+
+    A step is bytes, sent until all is quiet, or a step of the bench.
+    """
     configuration = BoardConfiguration(
         address_bits=8 * settings.a,
         data_bits=8 * settings.d,
@@ -55,7 +61,7 @@ def reference_of(settings: Settings) -> ReferenceDevice:
     return ReferenceDevice(settings, Bus(bad))
 
 
-REGISTERS = 6  # words from 0 on, of a slave that freezes them while the bus is held
+REGISTERS = 6  # addresses from 0 on, of a slave that freezes its words while the bus is held
 
 RUNS = [  # seed, window, generics
     (0, 8, {}),
@@ -77,7 +83,7 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     framed_alone = generics.get("protocol") == "framed"
     settings = Settings(a, d, window=window, features=0x1E if framed_alone else 0x1F, safe=SAFE)
     reference = reference_of(settings)
-    # Of few words, so that lists come back to words which they have written.
+    # There are few addresses, so that lists come back to words that they have written.
     addresses = REGISTERS if "registers" in generics else 64
     steps = [step for step in Scenario(seed, settings, addresses=addresses) if step]
     memory = [Frame(p.REQUEST_KIND_READ, field((n, 2), (n, a))).encode(EPOCH) for n in range(BAD)]
@@ -101,11 +107,11 @@ def test_an_id_that_was_another_requests(rtl: Any) -> None:
 
 
 def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
-    """The nonce outlives the reset: that of the first HELLO behind it is not the first again."""
+    """The nonce outlives the reset, so the first HELLO after it gets another nonce than before."""
     settings = Settings(window=8)
     hello, old_open, _ = opening().removeprefix(b"\0").split(b"\0")
     new = opening(3, EPOCH + 1)
-    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # in the session from before
+    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # a write in the session before the reset
     steps = [opening(), ("reset", 3), b"\0" + hello + b"\0", old_open + b"\0" + write, new]
     _, _, offered, late, opened = play(rtl, settings, steps)
     assert [int.from_bytes(f.payload[1:3], "big") for f in frames_of(offered, p.FRAME_OPEN_EPOCH)] == [2]
@@ -117,7 +123,7 @@ def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
 
 
 def list_of(reads: int, writes: int) -> bytes:
-    """A LIST of scattered words, 2 address and 4 data bytes."""
+    """Return a LIST of scattered words, with 2 address bytes and 4 data bytes."""
     written = [((0x10 + n, 2), (n, 4)) for n in range(writes)]
     told = (
         [(p.LIST_OPERATION_WRITE, 1), (writes, 1), *(f for word in written for f in word)] if writes else []
@@ -222,7 +228,7 @@ def test_a_group_that_is_due_again_too_soon_is_counted(rtl: Any) -> None:
         ("quiet", 4 * TICK),
         ask(p.REQUEST_KIND_READ_CONTROL, (3, 2), (p.CONTROL_PUBLISHES, 2), (2, 1)),
     ]
-    answers = play(rtl, settings, steps, byte_clocks=16)  # a publish takes longer than two ticks on its line
+    answers = play(rtl, settings, steps, byte_clocks=16)  # on its line, a publish takes longer than two ticks
     published = [f for f in frames_of(b"".join(answers[2:-1])) if f.kind == p.DEVICE_KIND_PUBLISH]
     (told,) = frames_of(answers[-1])
     counts = [int.from_bytes(told.payload[start : start + 4], "big") for start in (4, 8)]

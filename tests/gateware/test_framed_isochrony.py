@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From base strobe to first bus strobe in a framed session: the same when idle, within the bound under load.
+"""From base strobe to first bus strobe in a framed session: the same time when idle, within the bound under
+load.
 
-`-s` prints the table of docs/gateware/isochrony.md with what was measured beside it.
+`-s` prints the table of docs/gateware/isochrony.md with the measured values beside it.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from unitylink.simulate import BoardConfiguration
 from unitylink.spec.isochrony import framed, isochrony
 
 EPOCH = 0x1234
-PERIODS = (1.13, 1.37)  # between base strobes, in bounds: other phases of the load
+# times between base strobes as parts of the bound, so that the load comes in other phases
+PERIODS = (1.13, 1.37)
 TICKS = 6
-NEAR = 0.75  # of the bound: what the worst of so few strobes comes to
+NEAR = 0.75  # the least share of the bound that the worst of so few strobes must reach
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "isochrony.md"
 
 
@@ -78,7 +80,7 @@ class Host:
         if letter == "L":
             one = (p.LIST_OPERATION_READ_UP, 1), (told, 1), address
             return self.ask(p.REQUEST_KIND_LIST, (0, 1), *one)
-        if letter == "-":  # nothing: a border
+        if letter == "-":  # nothing but a border
             return b"\0"
         if letter == "S":
             return self.ask(p.REQUEST_KIND_READ, address)
@@ -94,7 +96,7 @@ class Host:
 def delays(
     watch: Watch, configuration: BoardConfiguration, host: Host, period: int, letters: str
 ) -> list[int]:
-    """Clocks from each base strobe, the first apart, to the first bus strobe of the publish."""
+    """Return the clocks from each base strobe but the first to the first bus strobe of the publish."""
     told = replace(configuration, base_hz=configuration.clock_hz // period, baud_hz=0)
     opening, enable = host.opening(), host.enable(True)
     load = b"".join(map(host.message, letters)) + host.enable(False)
@@ -129,7 +131,7 @@ def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
     found: list[int] = []
     for part in PERIODS:
         period = round(part * result.late_clocks) + 100
-        rounds = TICKS * period // result.late_clocks + 2  # each takes nearly as long as the bound
+        rounds = TICKS * period // result.late_clocks + 2  # each round takes nearly as long as the bound
         found += delays(watch, configuration, Host(configuration, words), period, letters * rounds)
     late = max(found) - result.idle_clocks
     print(
@@ -151,12 +153,12 @@ def test_page_has_these_figures() -> None:
     assert rows == expected
 
 
-WORDS = 16  # of a group, as many as the gateware has
+WORDS = 16  # words of a group: as many as the gateware allows
 COUNTERS = p.CONTROL_DEADMAN_TRIPS - p.CONTROL_FRAMES + 1  # the longest answer about the device itself
 
 
 def _costs(d: int = 4) -> dict[str, int]:
-    """What is said to be the most, with 16-bit addresses and 32-bit data."""
+    """Return the longest times that are stated for 16-bit addresses and 32-bit data."""
     group = p.FRAMED_LATENCY_DEFINE_GROUP_ADDRESS + 4
     exchange = p.FRAMED_LATENCY_DEFINE_EXCHANGE_WORD + 4
     return {
@@ -167,7 +169,10 @@ def _costs(d: int = 4) -> dict[str, int]:
 
 
 def test_constants_are_what_the_gateware_takes(rtl: Any) -> None:
-    """Those that no case above rests on: never more, and nearly as much."""
+    """These are the constants that no case above depends on.
+
+    The gateware takes at most so long, and nearly so long.
+    """
     configuration = replace(gateware(2, 4, 1), base_hz=50_000)
     host = Host(configuration, None)
     hello = b"\0" + Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
@@ -195,7 +200,7 @@ def test_constants_are_what_the_gateware_takes(rtl: Any) -> None:
     starts = [at for at, place in strobes if place == members[0]]
     ends = [at for at, place in strobes if place == PUBLISHED]
     took["publish"] = max(next(end for end in ends if end > start) - start for start in starts[:-1])
-    said = max(at for at in left if at < came["second"]) - came["READ_CONTROL"]  # it says all the while
+    said = max(at for at in left if at < came["second"]) - came["READ_CONTROL"]  # it sends all the while
     assert said <= isochrony(configuration).late_clocks / 2, "not what the bound rests on"
     for name, most in _costs().items():
         print(f"{name}: {took[name]} of {most}")

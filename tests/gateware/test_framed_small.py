@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The small engine in VHDL: the bytes of the reference, and what the reference has no time for."""
+"""The small engine in VHDL gives the bytes of the reference.
+
+Some tests need time, which the reference does not have.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,10 @@ from unitylink import protocol as p
 from unitylink.interface.board_configuration import BoardConfiguration
 
 SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
-BAD = 0x38  # four words that answer with an error, and four that do not answer
-SILENCE = 3000  # clocks: longer than any pause within the answers to a step
+BAD = 0x38  # four addresses answer with an error, and the next four do not answer
+SILENCE = 3000  # clocks; longer than any pause within the answers to a step
 TICK = 5000  # clocks
-LINE = 40  # clocks a byte takes on the fastest line that the engine is for
+LINE = 40  # clocks of a byte on the fastest line that the engine is made for
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed_small.md"
 
 
@@ -55,7 +58,10 @@ def test_a_program_of_another_length_is_refused(ghdl: Any) -> None:
 
 
 def play(rtl: Any, settings: Settings, steps: Sequence[Any], **generics: Any) -> list[bytes]:
-    """What the core answers to each step: bytes, sent until all is quiet, or a step of the bench."""
+    """Return what the core answers to each step.
+
+    A step is bytes, sent until all is quiet, or a step of the bench.
+    """
     configuration = BoardConfiguration(
         address_bits=8 * settings.a, data_bits=8 * settings.d, base_hz=settings.base_hz, groups=1
     )
@@ -99,9 +105,9 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
 
 
 def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
-    """The nonce outlives the reset, and so the first HELLO behind it has the second nonce."""
+    """The nonce outlives the reset, so the first HELLO after it gets the second nonce."""
     hello, old_open, _ = opening().removeprefix(b"\0").split(b"\0")
-    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # in the session from before
+    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # a write in the session before the reset
     steps = [opening(), ("reset", 3), b"\0" + hello + b"\0", old_open + b"\0" + write, opening(3, EPOCH + 1)]
     _, _, offered, late, opened = play(rtl, small_settings(), steps)
     assert [int.from_bytes(f.payload[1:3], "big") for f in frames_of(offered, p.FRAME_OPEN_EPOCH)] == [2]
@@ -111,7 +117,10 @@ def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
 
 
 def test_the_clock_counts_beyond_its_bits_in_hardware(rtl: Any) -> None:
-    """16 bits are hardware, and the program counts their turns. `time_high` goes with `time_low`."""
+    """The hardware counts 16 bits, and the program counts how often they wrap.
+
+    `time_high` is frozen when `time_low` is read.
+    """
     read = [ask(p.REQUEST_KIND_READ_CONTROL, (n, 2), (p.CONTROL_TIME_LOW, 2), (2, 1)) for n in range(3)]
     steps = [opening(), read[0], ("wait", 140_000), read[1], read[2]]
     answers = play(rtl, small_settings(), steps)
@@ -160,12 +169,12 @@ def test_the_dead_man_at_its_tick(rtl: Any) -> None:
     assert shown[14] == [(0, "0000000400000001")], "refused, trips"
     (strobe,) = [at for kind, at, address in rtl.times if kind == "t" and address == 0x10][:1]
     heard = [at for kind, at, _ in rtl.times if kind == "i" and at < strobe][-1]
-    late = figures_of_page()["read, last byte in to strobe"]  # the sign of life is before the strobe
+    late = figures_of_page()["read, last byte in to strobe"]  # the sign of life comes before the strobe
     assert 3 * TICK < strobe - heard <= 4 * TICK + late + 10, "four ticks behind the last frame"
 
 
 def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any) -> None:
-    """Behind a reply that nobody takes, frames wait in the ring; they are signs of life."""
+    """While nobody takes a reply, frames wait in the ring. They still count as signs of life."""
     settings = small_settings(base_hz=50_000_000 // TICK, safe=SAFE)
     read = [ask(p.REQUEST_KIND_READ, (n, 2), (0x11, 2)) for n in range(1, 9)]
     steps: list[Any] = [
@@ -204,7 +213,7 @@ def test_a_session_that_is_taken_over_trips_the_dead_man(rtl: Any) -> None:
 
 
 def test_what_the_bus_refuses_or_does_not_answer_is_told(rtl: Any) -> None:
-    """Each is executed once: a repeat gets the kept answer, and the bus is not asked again."""
+    """Each request is executed once. A repeat gets the kept answer and makes no bus access."""
     error, silent = (BAD, 2), (BAD + 4, 2)
     requests = [
         ask(p.REQUEST_KIND_READ, (0, 2), error),
@@ -230,7 +239,10 @@ def test_what_the_bus_refuses_or_does_not_answer_is_told(rtl: Any) -> None:
 
 
 def test_what_a_trip_catches_is_told_as_it_went(rtl: Any) -> None:
-    """At whatever clock it trips: what the replies say was written, was, and then come the safe values."""
+    """At whatever clock it trips: what the replies say was written, was written.
+
+    Then come the safe values.
+    """
     tick, places = 1500, range(0x40, 0x43)  # two posts and a WRITE
     settings = small_settings(base_hz=50_000_000 // tick, safe=SAFE)
     steps: list[Any] = []
@@ -283,7 +295,7 @@ def test_posts_among_reads_are_all_executed_on_a_uart(rtl: Any) -> None:
 
 
 def test_a_full_ring_makes_the_line_wait(rtl: Any) -> None:
-    """Behind a reply that takes long there is room for 127 bytes, and the rest comes when it is sent."""
+    """During a long reply there is room for 127 bytes. The rest comes when the reply has been sent."""
     reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, 2)) for n in range(8)]
     posts = [ask(p.REQUEST_KIND_POST, (n, 2), (0x20, 2), (n + 1, 4)) for n in range(12)]
     steps = [opening(), b"".join(reads[:2]) + b"".join(posts) + b"".join(reads[2:])]
@@ -299,7 +311,7 @@ def figures_of_page() -> dict[str, int]:
 
 
 def figures(rtl: Any) -> dict[str, int]:
-    """Clocks at two address and four data bytes, with a byte per two clocks each way."""
+    """Return the clocks with two address and four data bytes. Each way, a byte takes two clocks."""
     settings = small_settings()
     reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, 2)) for n in range(9)]
     play(rtl, settings, [opening(), reads[0], reads[1]])

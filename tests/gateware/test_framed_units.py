@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pieces of the framed side; receiver and transmitter on what the reference says of bytes."""
+"""The units of the framed side. Receiver and transmitter are compared with the reference."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_reply_cache_refuses_a_window_that_is_no_power_of_two(ghdl: Any) -> None
 
 
 def entry_of(piece: bytes, epoch: int) -> tuple[int, bytes]:
-    """What the receiver says of what stood between two borders."""
+    """Return what the receiver tells of the piece between two borders."""
     outside = piece[0] in (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
     if len(piece) > LONGEST:
         return ENTRY["long"], b""
@@ -76,7 +76,7 @@ def pieces(draw: random.Random, epoch: int) -> Iterator[bytes]:
             wire = bytes(hurt)
         elif fate == 1:
             wire = wire[: draw.randrange(1, min(6, len(wire)))]
-        elif fate == 2:  # a right check behind blocks that end elsewhere
+        elif fate == 2:  # the check is right, but the COBS blocks end elsewhere
             body = bytes([kind]) + cobs_encode(payload[:100])[: draw.randrange(1, 20)] + b"\x05"
             wire = body + check_bytes(body, epoch if kind > 0x81 else p.FRAME_OPEN_EPOCH, False)
         yield from Borders().feed(wire + b"\0")

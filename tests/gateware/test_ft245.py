@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""FT245 physical layers against models of the chip that check its timing, and what they are made of."""
+"""FT245 physical layers against models of the chip that check its timing.
+
+Also the parts of which they are made.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ from typing import Any
 
 import pytest
 
-CHIP_BYTES_A_SECOND = 8_000_000  # what both chips move in asynchronous mode
-SYNC_BYTES_A_SECOND = 57_000_000  # 95 % of a byte a clock
+CHIP_BYTES_A_SECOND = 8_000_000  # bytes a second that both chips move in asynchronous mode
+SYNC_BYTES_A_SECOND = 57_000_000  # 95 % of one byte in each clock
 CLOCKS = [4_000_000, 12_000_000, 50_000_000, 60_000_000, 66_000_000, 100_000_000]
 
 

@@ -27,7 +27,7 @@ def spec_of(text: str, file: str = "robot.ul") -> Spec:
 
 
 def told(configuration: BoardConfiguration) -> bytes:
-    """What the twin of this configuration answers to RLC."""
+    """Return what the twin of this configuration answers to RLC."""
     (answer,) = play_on_twin(configuration, [[("send", "#RLC\n"), ("quiet", 300)]])
     return answer
 
@@ -51,7 +51,7 @@ signal_2(n): @ (x,^signed) {
    @^signed: WRITE(ID=n);
 }
 """
-# GHDL says this of a port without any elements.
+# GHDL warns so about a port without any elements.
 HARMLESS = dict.fromkeys(("tosnet_reads", "tosnet_status"), ('no assignment for port "write_words"',))
 TOSNET = "public net(c) {{ TOSNET(CTRL=c, COMM=c, BASE=0x100); {} }}"
 DESIGNS = {
@@ -112,12 +112,12 @@ def test_hello_led_on_its_uart(designs: Any) -> None:
         "#R:00\n",
         "#RM:03000102\n",
         "#W:010000000A\n",  # a READ
-        "#R:03\n",  # the hole beside the words
+        "#R:03\n",  # the address between the words
         "#R:04\n",
         "#WSA:00020102\n",
         "#WSR:000001\n",
         "#EPS\n",
-        14_000,  # more than a millisecond: the group publishes at 1000 Hz
+        14_000,  # longer than a millisecond, because the group publishes at 1000 Hz
         "#DPS\n",
     ]
     answers = designs.play(spec, "hello_led_tb", steps)
@@ -152,7 +152,9 @@ TEXTS = [
 
 
 def random_spec(random: Random) -> Spec:
-    """Constructors, expansions and words whose names and texts are chosen for what they could break."""
+    """Return a random spec whose constructors, expansions, words and texts have names that could break
+    something.
+    """
     constructors = random.sample(NAMES, 3)
     free = iter(random.sample(range(0x600), 400))
 
@@ -165,7 +167,7 @@ def random_spec(random: Random) -> Spec:
     for number, constructor in enumerate(constructors):
         names = random.sample(NAMES, random.randint(1, 8))
         members = [element(name) for name in names]
-        if number < 2:  # it expands the next one, which has no addresses to bind: once only
+        if number < 2:  # it expands the next constructor, which has no addresses to bind, so only once
             part = random.choice([name for name in NAMES if name not in names])
             members.append(f"^{part}: ^{constructors[number + 1]}();")
         public = "public " if number == 0 else ""
@@ -189,7 +191,7 @@ def test_no_name_and_no_text_can_break_a_design(designs: Any, seed: int) -> None
 
 def test_scara_on_its_uart(designs: Any) -> None:
     spec = load(ROOT / "examples" / "scara" / "scara.ul")
-    cycle = 12_000_000 // 10_000  # clocks of a network cycle
+    cycle = 12_000_000 // 10_000  # clocks of one network cycle
     steps: list[str | int] = [
         "#RLC\n",
         "#WSA:000400880089008A008B\n",
@@ -197,7 +199,7 @@ def test_scara_on_its_uart(designs: Any) -> None:
         "#W:008C00000064\n",
         "#W:008DFFFFFF9C\n",
         2 * cycle,
-        "#R:0088\n",  # not committed yet
+        "#R:0088\n",  # before the commit
         "#W:040000000001\n",
         2 * cycle,
         "#RM:0400880089008A008B\n",
@@ -213,7 +215,7 @@ def test_scara_on_its_uart(designs: Any) -> None:
 
 
 def test_the_board_of_the_page(designs: Any) -> None:
-    """docs/generate-vhdl.md shows a board around the generated design: it analyses and synthesises."""
+    """The board around a generated design in docs/generate-vhdl.md can be analysed and synthesised."""
     block, *_ = re.findall(r"^```vhdl\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     board = designs.folder / "board.vhd"
     board.write_text(block, encoding="ascii")
@@ -222,12 +224,12 @@ def test_the_board_of_the_page(designs: Any) -> None:
 
 
 def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
-    """The example: PWM and encoder placed by the spec, and a user's logic with an event."""
+    """The example: the spec places PWM and encoder, and there is a user's logic with an event."""
     folder = ROOT / "examples" / "servo"
     spec = load(folder / "servo.ul")
     steps: list[str | int] = [
         "#RLC\n",
-        "#WSA:000120\n",  # trips, group 0: on limit
+        "#WSA:000120\n",  # the address of the trips, for group 0: it publishes on limit
         "#WIC:0001\n",
         "#EPS\n",
         "#W:0200000640\n",  # servo 0: 1600 us
@@ -242,14 +244,14 @@ def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
     assert answers[0] == told(BoardConfiguration.for_spec(spec))
     assert answers[1:7] == [b"#S_WSA\n", b"#S_WIC\n", b"#S_EPS\n", b"#S_W\n", b"#S_W\n", b"#S_W\n"]
     assert answers[7] == b"%PUB:000100000001\n", "the switch has closed once, and nobody asked"
-    assert answers[8] in (b"#S_R:0000000f\n", b"#S_R:00000010\n")  # 1600 us of 100 us each
+    assert answers[8] in (b"#S_R:0000000f\n", b"#S_R:00000010\n")  # 1600 us are 16 steps of 100 us
     assert answers[9:] == [b"#S_R:00000001\n", b"#S_W\n"]
     library = designs.library(spec, None, [folder / "servo_board.vhd"])
     assert "entity servo_board is" in library.synthesise("servo_board")
 
 
 def test_hello_led_board_from_its_uart_to_its_pins(designs: Any) -> None:
-    """The first design that goes on a board: LEDs, buttons, a counter of milliseconds."""
+    """The first design that a user puts on a board: LEDs, buttons, a counter of milliseconds."""
     folder = ROOT / "examples" / "hello_led"
     spec = load(folder / "hello_led.ul")
     steps: list[str | int] = ["#RLC\n", "#W:00000000A5\n", 24_000, "#R:01\n", "#R:02\n", 8_000, "#R:02\n"]

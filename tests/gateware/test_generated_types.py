@@ -55,19 +55,19 @@ def spec() -> Spec:
 
 def test_types_arrays_and_access_modes(designs: Any, spec: Spec) -> None:
     steps = {
-        "#RM:0201020A\n": b"#S_RM:0000000100000002",  # mode begins as run
-        "#R:0C\n": b"#S_R:0000fe80",  # angle begins at -1.5
+        "#RM:0201020A\n": b"#S_RM:0000000100000002",  # mode starts as run
+        "#R:0C\n": b"#S_R:0000fe80",  # angle starts at -1.5
         "#W:0100000003\n": b"#S_W",
         "#RM:03020B09\n": b"#S_RM:000000060000000100000003",  # status.mode, ok, sticky
-        "#W:0900000001\n": b"#S_W",  # clears one of them
+        "#W:0900000001\n": b"#S_W",  # clears one of the flags
         "#R:09\n": b"#S_R:00000002",
         "#W:0489ABCDEF\n": b"#S_W",
         "#W:0570000012\n": b"#S_W",
         "#RM:03060702\n": b"#S_RM:89abcdef0000001200000076",
-        "#R:0A\n": b"#S_R:00000001",  # count: one whole write of wide
-        "#R:0a\n": b"#S_R:00000000",  # which reading has cleared
+        "#R:0A\n": b"#S_R:00000001",  # the count: wide was written as a whole once
+        "#R:0a\n": b"#S_R:00000000",  # the read has cleared it
         "#W:0800000007\n": b"#S_W",
-        "#R:00\n": b"#S_R:00000001",  # kick has lasted one clock
+        "#R:00\n": b"#S_R:00000001",  # kick was high for one clock
         "#W:1100000005\n": b"#S_W",
         "#W:23FFFFFFF0\n": b"#S_W",
         "#RM:022022\n": b"#S_RM:00000000fffffff5",
@@ -97,6 +97,6 @@ def test_synthesis(designs: Any, spec: Spec) -> None:
 
 
 def test_a_narrow_bus(designs: Any, spec: Spec) -> None:
-    """Wide values take what their words hold; the packages and the design still agree."""
+    """Wide values take as many bits as their words hold. The packages and the design still agree."""
     configuration = BoardConfiguration.for_spec(spec, data_bits=16)
     assert "entity typed_top is" in designs.library(spec, configuration).synthesise("typed_top")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every entity has a bench and a page, and every page says what the entity's generics are."""
+"""Every entity has a bench and a page, and its page describes its generics."""
 
 from __future__ import annotations
 

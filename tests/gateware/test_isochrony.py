@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From base strobe to first bus strobe: always the same when idle, within the bound under full load; classic.
+"""Classic protocol, from base strobe to first bus strobe: the same time when idle, within the bound under
+full load.
 
-`-s` prints the table of docs/gateware/isochrony.md with what was measured beside it.
+`-s` prints the table of docs/gateware/isochrony.md with the measured values beside it.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from unitylink.spec.isochrony import isochrony
 from unitylink_lab.conformance.bench import bench
 
 TICKS = 20
-PERIODS = (1.23, 1.31, 1.47)  # between base strobes, in bounds: other phases of the load
-NEAR = 16  # clocks: so near to the bound comes the worst of so many ticks
+# times between base strobes as multiples of the bound, so that the load comes in other phases
+PERIODS = (1.23, 1.31, 1.47)
+NEAR = 16  # clocks; among so many ticks, the worst one comes so near to the bound
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "isochrony.md"
 
 CONFIGURATIONS = {
@@ -53,7 +55,10 @@ def address(configuration: BoardConfiguration, value: int) -> bytes:
 
 
 def longest_request(configuration: BoardConfiguration, longest: str) -> str:
-    """What the bound says to be in the way for the longest time; not about the group that publishes."""
+    """Return the request that is in the way for the longest time.
+
+    It does not concern the group that publishes.
+    """
     other = address(configuration, 0x10)
     last = configuration.groups - 1
     size = configuration.group_size
@@ -75,7 +80,7 @@ def delays(
     load: str,
     **generics: int | str,
 ) -> list[int]:
-    """Clocks from each base strobe, the first apart, to the first bus strobe of the publish."""
+    """Return the clocks from each base strobe but the first to the first bus strobe of the publish."""
     hz = configuration.clock_hz // period
     configuration = replace(configuration, base_hz=hz, bench_memory=False)
     quiet = ("quiet", 300)
@@ -126,7 +131,7 @@ def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
 @pytest.mark.parametrize("load", ["#R:10\n", "#W:10DEADBEEF\n", "#RLC\n", "#R:zz\n", "$R:10*00\n", "#X\n"])
 @pytest.mark.parametrize("mode", [1, 2])
 def test_no_other_load_is_worse(watch: Watch, mode: int, load: str) -> None:
-    configuration = bench({"PM": mode, "RMS": 0, "SW": 1})  # the lowest bound
+    configuration = bench({"PM": mode, "RMS": 0, "SW": 1})  # this configuration has the lowest bound
     result = isochrony(configuration, protocol="classic")
     found = delays(watch, configuration, settings_of(configuration), 301, load * 600)
     assert len(found) > 10
@@ -134,7 +139,7 @@ def test_no_other_load_is_worse(watch: Watch, mode: int, load: str) -> None:
 
 
 def test_a_publish_before_it(watch: Watch) -> None:
-    """Two groups due at once: the one that comes second waits for a request and for the first."""
+    """Two groups are due at once. The second one waits for a request and for the first group."""
     configuration = bench({})
     settings = request("WSA", bytes([0, 9]) + bytes([0x77] * 9)) + request("WSR", bytes([0, 0, 1]))
     settings += request("WSA", bytes([1, 16]) + bytes([0x78] * 16)) + request("WSR", bytes([1, 0, 1]))
@@ -147,7 +152,7 @@ def test_a_publish_before_it(watch: Watch) -> None:
 
 
 def test_a_slow_line(watch: Watch) -> None:
-    """Ten clocks a byte, as a UART at a fifth of the clock: what was said before has to leave first."""
+    """A byte takes ten clocks, as on a UART at a fifth of the clock. Earlier bytes have to leave first."""
     configuration = replace(bench({"RMS": 8}), baud_hz=50_000_000)
     result = isochrony(configuration, protocol="classic")
     period = round(1.31 * result.late_clocks) + 400

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The netlist with less to do, proven by yosys to be the same: each register's next state and each output."""
+"""The cheaper netlist does the same. Yosys proves this for each register's next state and each output."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ import pytest
 from unitylink.gateware import netlist
 from unitylink.simulate.rtl.lean import lean
 
-# What GHDL makes of the designs below, in the small: a wide register that holds, under a reset and a choice.
+# A small example of what GHDL makes of the designs below: a wide register that holds, under a reset and a
+# choice.
 HOLDS = """module holds
   (input  clock,
    input  reset,
@@ -60,7 +61,7 @@ def proven_equal(before: str, after: str, top: str, folder: Path) -> bool:
 
 
 def of_entity(top: str, **generics: int) -> str:
-    """The netlist of an entity, without its assertions, which yosys does not know in this form."""
+    """Return the netlist of an entity without its assertions, which yosys does not know in this form."""
     printed = netlist(top, generics=generics)
     return re.sub(r"always @\*\s*if \(!\w+\)\s*\$fatal\([^;]*;", "", printed)
 
@@ -90,7 +91,7 @@ def test_wide_registers_that_hold(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["~", "&"])
 def test_what_leads_to_itself_is_left(kind: str) -> None:
-    """A loop is a mistake of the design's, which others tell; here it must only end."""
+    """A loop is a mistake in the design, and other tools report it. Here the function only has to end."""
     ring = "  wire a;\n  wire b;\n  assign a = {0};\n  assign b = {1};\n"
     looped = ring.format("~b", "~a") if kind == "~" else ring.format("b & b", "a & a")
     text = "module ring\n  (output [3:0] q);\n" + looped + "  assign q = {a, b, a, b};\nendmodule\n"

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The compiled netlist beside GHDL's simulation of its source: equal outputs in every clock.
 
-GHDL's defects in printing Verilog are silent, so the same comparison has to fail on what it prints.
+Some defects of GHDL's Verilog output cause no error. So the same comparison must fail on a netlist that still
+has them.
 """
 
 from __future__ import annotations
@@ -28,9 +29,10 @@ from unitylink.simulate.rtl.verilog import either_edge_will_do
 
 TOP = "lockstep_design"
 CLOCKS = 6_000
-CLOCKS_OF_A_DEFECT = 2_000  # both show in the first messages
+CLOCKS_OF_A_DEFECT = 2_000  # both defects show in the first messages
 PLAIN: dict[str, Any] = {}
-SHARES_PLAIN = pytest.mark.xdist_group("lockstep plain")  # one process, which synthesises it once
+# one process, so that the netlist is synthesised once
+SHARES_PLAIN = pytest.mark.xdist_group("lockstep plain")
 CONFIGURATIONS: list[Any] = [
     pytest.param(PLAIN, marks=SHARES_PLAIN),
     {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},
@@ -73,7 +75,7 @@ class Table(ctypes.Structure):
 
 
 class Requests:
-    """Bytes a host might send: most are right requests, some nearly, some noise."""
+    """Bytes that a host might send: most are correct requests, some are nearly correct, some are noise."""
 
     def __init__(self, seed: int, address_width: int, data_width: int) -> None:
         self.random = random.Random(seed)
@@ -113,7 +115,7 @@ class Requests:
 
 
 class Frames:
-    """Frames a host might send, in sessions that begin and end; groups publish, and the dead-man runs."""
+    """Frames that a host might send. Sessions begin and end, groups publish, and the dead-man runs."""
 
     def __init__(self, seed: int, address_width: int, data_width: int) -> None:
         self.random = random.Random(seed)
@@ -146,7 +148,7 @@ class Model:
 
 
 def play(model: Model, requests: Requests | Frames, clocks: int) -> tuple[list[str], list[str]]:
-    """Talk to `model`, which may do anything; every clock's (stimulus, response)."""
+    """Talk to `model`, which may do anything. Return the stimulus and the response of each clock."""
     r = requests.random
     waiting: deque[int] = deque()
     stimuli, responses = [], []
@@ -178,7 +180,7 @@ def play(model: Model, requests: Requests | Frames, clocks: int) -> tuple[list[s
 
 @cache
 def synthesised(generics: tuple[tuple[str, Any], ...]) -> tuple[str, str]:
-    """The netlist as GHDL prints it in Verilog and in VHDL."""
+    """Return the netlist as GHDL prints it in Verilog and in VHDL."""
     sources = [*gateware_sources(), gateware_folder() / "test" / f"{TOP}.vhd"]
     with TemporaryDirectory(prefix="unitylink-lockstep-") as work:
         synthesis = Ghdl(Path(work), sources)
@@ -189,7 +191,7 @@ def synthesised(generics: tuple[tuple[str, Any], ...]) -> tuple[str, str]:
 
 
 class Lockstep:
-    """Runs one netlist of lockstep_design, and GHDL on its source, with the same stimulus."""
+    """Run one netlist of lockstep_design, and GHDL on its source, with the same stimulus."""
 
     def __init__(self, ghdl: Any, folder: Path, generics: dict[str, Any]) -> None:
         self.ghdl, self.folder, self.generics = ghdl, folder, generics
@@ -204,7 +206,8 @@ class Lockstep:
         stimuli, compiled = play(Model(library), requests, clocks)
         stimulus_file, response_file = self.folder / "stimulus.txt", self.folder / "response.txt"
         stimulus_file.write_text("\n".join(stimuli) + "\n")
-        # A message cut short leaves an address that is not known, and the bus decodes it though none strobes.
+        # After a message that was cut short, the address is unknown. The bus decodes it, though nothing
+        # strobes.
         quiet = "--ieee-asserts=disable"
         self.ghdl.run(
             "lockstep_tb", quiet, stimulus_file=stimulus_file, response_file=response_file, **self.generics
@@ -213,7 +216,7 @@ class Lockstep:
 
 
 def first_difference(compiled: Sequence[str], source: Sequence[str]) -> int | None:
-    """The clock in which the two differ; those before the reset are nobody's business."""
+    """Return the first clock in which the two differ. Clocks before the reset do not count."""
     assert len(compiled) == len(source)
     return next((clock for clock in range(4, len(source)) if compiled[clock] != source[clock]), None)
 
@@ -224,7 +227,7 @@ def first_difference(compiled: Sequence[str], source: Sequence[str]) -> int | No
 def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any]) -> None:
     lockstep = Lockstep(ghdl, tmp_path, generics)
     verilog = repaired(lockstep.verilog, lockstep.vhdl)
-    if "data_width" in generics:  # once with a clock that goes through logic, as one of a user's may
+    if "data_width" in generics:  # once with a clock that passes through logic, as a user's clock may
         verilog = verilog.replace(".clock(clock)", ".clock(~(~clock))")
         assert not either_edge_will_do(verilog)
     compiled, source = lockstep.compare(verilog, CLOCKS)
@@ -245,7 +248,7 @@ def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any])
 @SHARES_PLAIN
 @pytest.mark.parametrize("defect", [pytest.param("default arms", marks=pytest.mark.long), "wide constants"])
 def test_netlist_as_ghdl_prints_it_differs(ghdl: Any, tmp_path: Path, defect: str) -> None:
-    """If this fails, GHDL prints it right and the repair may go."""
+    """If this fails, GHDL has mended the defect and our repair can go."""
     lockstep = Lockstep(ghdl, tmp_path, PLAIN)
     if defect == "default arms":
         verilog = with_sized_constants(lockstep.verilog)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What GHDL synthesises of the core does the same as the source, byte for byte and clock for clock."""
+"""The netlist that GHDL makes of the core does the same as the source, byte for byte and clock for clock."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
     assert "warning:" not in netlist
     folder = tmp_path / "netlist"
     folder.mkdir()
-    # GHDL tells of the memories it found on its other stream, which stands last.
+    # GHDL prints notes about memories on its other stream, which comes last.
     (folder / "core.vhd").write_text(
         netlist[: netlist.rindex("end rtl;") + len("end rtl;\n")], encoding="utf-8"
     )

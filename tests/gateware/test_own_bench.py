@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bench of docs/gateware/testing.md runs as it stands there, and fails where the entity is wrong."""
+"""The bench of docs/gateware/testing.md runs as it is printed there, and fails if the entity is wrong."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/gateware/own-core.md, done word for word: its files written, its commands typed, its outputs seen."""
+"""Follow docs/gateware/own-core.md word for word: write its files, run its commands, compare the outputs."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "gateware" / "own-core.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)
-FILE_NAME = re.compile(r"(?:--|#|//) (\w+\.\w+)")  # in the first line of a file
+FILE_NAME = re.compile(r"(?:--|#|//) (\w+\.\w+)")  # the name in the first line of a file
 
 
-# Those behind the fourth compile the VHDL and map it on a chip: a minute, and tested elsewhere.
+# The commands after the fourth one compile the VHDL and map it on a chip. That takes a minute and is tested
+# elsewhere.
 @pytest.mark.parametrize("commands", [4, pytest.param(7, marks=pytest.mark.long)])
 def test_own_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, commands: int) -> None:
     (tmp_path / "unity-link").symlink_to(ROOT)
     folder = tmp_path / "mover"
     folder.mkdir()
-    # What `activate` does, also where the tests run in an environment elsewhere.
+    # Do what `activate` does, for tests that run in an environment elsewhere.
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     typed = 0
     for kind, text in BLOCKS:

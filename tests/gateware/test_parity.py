@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The twin promises nothing that the gateware of the same spec lacks: limits, publishes, exchanges.
 
-Every design is compiled, which takes a while: two here. With UNITYLINK_PARITY=20 in the environment twenty
-more are drawn.
+Every design is compiled, which takes a while. So there are only two here. With UNITYLINK_PARITY=20 in the
+environment, twenty more are drawn at random.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from unitylink.spec import Spec, compile_text, load
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 EXCHANGES = 1000
 MORE = int(os.environ.get("UNITYLINK_PARITY", "0"))
-TIMEOUT = "timeout=20"  # of a busy machine
+TIMEOUT = "timeout=20"  # long enough for a busy machine
 
 
 SIDES = (
@@ -41,7 +41,7 @@ SIDES = (
 
 
 class Still:
-    """A plant in which nothing moves: the test sets what the board's side has."""
+    """A plant in which nothing moves. The test sets the registers on the board's side."""
 
     period_s = 1.0
 
@@ -54,14 +54,17 @@ class Still:
 
 @dataclass
 class Drawn:
-    """A spec and settings; those of a seed are drawn."""
+    """A spec and settings. `of` draws them from a seed."""
 
     spec: Spec
     settings: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, seed: int) -> Drawn:
-        """Draw words of which one rate has more than a publish carries, several rates, and settings."""
+        """Draw words and settings.
+
+        The words have several rates, and one rate has more words than a publish carries.
+        """
         draw = random.Random(seed)
         step = draw.choice((1, 1, 5))
         lines, address = [], draw.choice((0, 0x40))
@@ -77,7 +80,7 @@ class Drawn:
             width = draw.choice(("u8", "i16", "u32"))
             lines.append(f"@out{number} = {address:#x}: {width} WRITE();")
             address += step
-        for line in SIDES:  # a word with two sides, in either order of the text
+        for line in SIDES:  # a word with a READ and a WRITE, which stand in either order in the text
             lines.append(line.format(address, address + 1, address + 2))
         text = "link plain;\npublic drawn() {\n   " + "\n   ".join(lines) + "\n}\n"
         spec = compile_text(text.encode(), "drawn.ul").spec
@@ -100,7 +103,7 @@ DRAWN = [
 
 @contextmanager
 def both(drawn: Drawn) -> Iterator[tuple[tuple[Board, Link], tuple[Board, Link]]]:
-    """The same board as twin and as compiled gateware, each with a link."""
+    """Yield the same board as twin and as compiled gateware, each with a link."""
     twin = BoardConfiguration.for_spec(drawn.spec, **drawn.settings)
     gateware = rtl_configuration(drawn.spec, **drawn.settings)
     assert replace(twin, clock_hz=gateware.clock_hz, tosnet=gateware.tosnet) == gateware
@@ -114,7 +117,7 @@ def both(drawn: Drawn) -> Iterator[tuple[tuple[Board, Link], tuple[Board, Link]]
 
 
 def publishes(spec: Spec, link: Link) -> list[Any]:
-    """Which values travel together, how often, and whether the device sends them by itself."""
+    """Return which values travel together, how often, and whether the device sends them by itself."""
     robot = load_spec_objects(spec, link)
     with robot.publishing():
         return [(one.paths, one.rate_hz, one.hardware) for one in robot.publisher.reports()]
@@ -141,7 +144,7 @@ def test_twin_and_gateware_are_the_same_device(drawn: Drawn, cycle: int | None) 
 
 
 def words_with_two_sides(spec: Spec, board: Board, link: Link) -> None:
-    """Ones that the PC writes clear flags, each time; a PULSE leaves the READ of its word alone."""
+    """A one that the PC writes clears its flag, each time. A PULSE does not change the READ of its word."""
     robot, address = load_spec_objects(spec, link), {path: one.address for path, one in spec.walk()}
     board.registers[address["flags"]] = 0xFF
     for mask, left in ((0x0F, 0xF0), (0x10, 0xE0), (0x10, 0xE0)):
@@ -157,7 +160,10 @@ def words_with_two_sides(spec: Spec, board: Board, link: Link) -> None:
 
 
 def exchange(spec: Spec, most: int, cycle: int | None, sides: list[tuple[Board, Link]]) -> None:
-    """A control cycle of as many words as an exchange group holds, with random words, on both sides."""
+    """Play a control cycle on both sides, with random words.
+
+    It has as many words as an exchange group holds.
+    """
     draw = random.Random(7)
     elements = [element for _, element in spec.walk()]
     outputs = [e.address for e in elements if e.access == "WRITE" and e.link.kind == "memory"]
@@ -182,7 +188,7 @@ def exchange(spec: Spec, most: int, cycle: int | None, sides: list[tuple[Board, 
 
 
 def groups_that_there_are_not(told: Any, *links: Link) -> None:
-    """What is one too many is refused with the same words, which name the limit."""
+    """Twin and gateware refuse one word or one group too many with the same message. It names the limit."""
     said = []
     for link in links:
         with pytest.raises(DeviceMismatch) as caught:

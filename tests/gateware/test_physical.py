@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The UART: every parity, clocks to a bit from the fewest allowed to many, whole and broken bauds."""
+"""The UART: every parity, from the fewest clocks for a bit to many, with whole and broken ratios."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ def test_uart_rx(ghdl: Any, parity: str, clock_hz: int, baud_hz: int) -> None:
     [pytest.param(parity, marks=() if parity == "even" else pytest.mark.long) for parity in PARITIES],
 )
 def test_uart_rx_on_a_slow_line(ghdl: Any, parity: str) -> None:
-    """104.2 clocks a bit: longer counters; the states of each parity are those of the quicker lines."""
+    """With 104.2 clocks for a bit the counters are longer.
+
+    The faster lines have tried the states of each parity.
+    """
     ghdl.run("uart_rx_tb", parity=parity, clock_hz=1_000_000, baud_hz=9_600, bytes=8)
 
 

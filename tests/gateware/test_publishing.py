@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the core publishes over time equals what the twin publishes: contents, numbers and ticks."""
+"""Over time, the core publishes the same as the twin: contents, numbers and ticks."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from unitylink_lab.conformance.bench import bench, play_on_twin
 PERIODS = 30
 CONFIGURATION = bench({"FREQ": 50000, "SG": 2, "SW": 3})
 PERIOD = CONFIGURATION.clock_hz // CONFIGURATION.base_hz
-ANSWERED = 1000  # clocks; more than a request takes on the twin
+ANSWERED = 1000  # clocks; longer than a request takes on the twin
 
 
 def publishes(timed: list[tuple[int, int]]) -> dict[str, list[int]]:
-    """The clocks of the heads of each publish, by its text."""
+    """Return, for each publish by its text, the clocks at which its head was sent."""
     found: dict[str, list[int]] = defaultdict(list)
     line, start = "", 0
     for at, byte in timed:
@@ -37,7 +37,10 @@ Steps = list[tuple[str, Any]]
 
 
 def random_steps(seed: int) -> tuple[Steps, list[int]]:
-    """Four groups at random rates, and requests while they publish; and the rates."""
+    """Return steps and the rates of four groups.
+
+    The rates are random, and requests come while the groups publish.
+    """
     r = random.Random(seed)
     rates = [r.choice((1, 2, 3, 5, 7, 11)) for _ in range(4)]
     settings = ""
@@ -52,10 +55,10 @@ def random_steps(seed: int) -> tuple[Steps, list[int]]:
 
 
 def ticks_and_replies(timed: list[tuple[int, int]]) -> tuple[dict[str, list[int]], list[str]]:
-    """The base strobes each publish belongs to, by its text; and the replies.
+    """Return, for each publish by its text, the base strobes to which it belongs. Return the replies, too.
 
-    The first strobe is the first head of all; the others follow their strobes by that much, give or take the
-    messages before them: less than half a period.
+    The first head of all marks the first strobe. Each other head follows its strobe by the same time, except
+    that messages before it may delay it, by less than half a period.
     """
     heads = publishes(timed)
     start = min(min(clocks) for clocks in heads.values())
@@ -102,7 +105,9 @@ def test_events_by_edge_and_level(rtl: Any) -> None:
 
 
 def test_256_groups(rtl: Any) -> None:
-    """The most the protocol can name: 256 groups (a count of 00) of 255 addresses, a mask of 32 bytes."""
+    """The most that the protocol can name: 256 groups (a count of 00) of 255 addresses, and a mask of 32
+    bytes.
+    """
     configuration = bench({"SG": 8, "SW": 7})
     configuration = replace(configuration, group_size=255)
     addresses = "".join(f"{(7 * n) % 128:02x}" for n in range(255))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A reset at any clock of any kind of message leaves a core that answers as after power-up."""
+"""After a reset at any clock of any kind of message, the core answers as after power-up."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MESSAGES = {
 
 
 def as_bytes(text: str) -> bytes:
-    """The same requests where data are bytes."""
+    """Return the same requests for a core without a datalink, where data are bytes."""
     lines = [line.partition(":") for line in text.splitlines()]
     return b"".join(f"{head}{colon}".encode() + bytes.fromhex(data) + b"\n" for head, colon, data in lines)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A board whose device is compiled VHDL does for links and plants what the twin does."""
+"""A board whose device is compiled VHDL does the same for links and plants as the twin."""
 
 from __future__ import annotations
 
@@ -73,7 +73,8 @@ def test_words_go_both_ways(spec: Spec, endpoint: str) -> None:
 
 def test_publishes_are_isochronous_in_device_time(spec: Spec) -> None:
     with RtlBoard(spec, plant=Follower()) as board, Link(f"{board.url}?timeout=10") as link:
-        subscription = link.subscribe([4, 5], divisor=10)  # of 1 kHz; the plant counts every millisecond
+        # 100 Hz, a tenth of 1 kHz; the plant counts every millisecond
+        subscription = link.subscribe([4, 5], divisor=10)
         levels: list[int] = []
         while len(levels) < 20:
             assert subscription.wait(5.0)
@@ -192,7 +193,7 @@ end architecture;
 
 
 def test_failed_assertion_of_the_gateware_stops_it_and_says_where() -> None:
-    """A design of one's own, without any words."""
+    """The design is the user's own, without any words."""
     model = build_model(RtlDesign("echo", {"echo.vhd": ECHO}))
     with (
         serving(model, BoardConfiguration(clock_hz=1_000_000, groups=1)) as board,

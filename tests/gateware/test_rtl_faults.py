@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The compiled gateware behind a mouth that lies: every operation ends in its time, as with the twin.
+"""The compiled gateware with faulty transfers: every operation ends in its time, as with the twin.
 
-`python tests/gateware/fuzz_rtl_faults.py --seconds 60` is the long form.
+The long form is `python tests/gateware/fuzz_rtl_faults.py --seconds 60`.
 """
 
 from __future__ import annotations

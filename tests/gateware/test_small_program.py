@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The small engine's program: histories against the reference, and mistakes in it that they must notice."""
+"""The small engine's program: histories compare it with the reference.
+
+They must also notice mistakes in it.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,7 @@ SAFE = ((0x10, 1), (0x11, 0xFF))
 
 @pytest.fixture
 def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """tools/small/assemble.py, which is no package."""
+    """Import tools/small/assemble.py, which is no package."""
     monkeypatch.syspath_prepend(str(TOOLS / "small"))
     return importlib.import_module("assemble")
 
@@ -67,7 +70,7 @@ def test_a_line_that_cannot_be_assembled_is_told(assembler: Any, text: str, mess
 
 
 def end_of_all(settings: Settings, nonce: int) -> Iterator[bytes]:
-    """A session that asks what the histories before have left: memory and counters."""
+    """Yield a session that asks for what the earlier histories have left in memory and counters."""
     yield opening(nonce)
     for number in range(0x40):
         yield ask(p.REQUEST_KIND_READ, (number, 2), (number, settings.a))
@@ -75,7 +78,9 @@ def end_of_all(settings: Settings, nonce: int) -> Iterator[bytes]:
 
 
 def history(seed: int, settings: Settings) -> Iterator[bytes]:
-    """A scenario, or what a scenario does not have: the dead-man, pieces of all lengths, more registers."""
+    """Yield the steps of a scenario, or of what scenarios lack: the dead-man, pieces of all lengths, more
+    registers.
+    """
     if seed % 2 == 0:
         yield from (step for step in Scenario(seed, settings, steps=40) if step)
         return
@@ -83,7 +88,7 @@ def history(seed: int, settings: Settings) -> Iterator[bytes]:
     yield opening()
     sent = []
     posts, nonce = 0, 1
-    if seed % 4 == 3:  # the host has lost its board, so the dead-man has tripped
+    if seed % 4 == 3:  # the host lost its board, so the dead-man has tripped
         yield ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1 << 30, 4))
         nonce += 1
         yield opening(nonce)
@@ -116,7 +121,7 @@ def history(seed: int, settings: Settings) -> Iterator[bytes]:
             wire = wire[: draw.randrange(len(wire))] + b"\0"
         elif fate < 0.4:
             wire += draw.choice(sent[-3:])
-        if kind == p.REQUEST_KIND_CLOSE:  # the frames behind it belong to no session, or to the next one
+        if kind == p.REQUEST_KIND_CLOSE:  # the frames after a CLOSE belong to no session, or to the next one
             wire += sent[-1]
         if kind == p.REQUEST_KIND_CLOSE or draw.random() < 0.05:
             nonce += 1
@@ -133,20 +138,23 @@ OTHERS = (
     p.REQUEST_KIND_SYNC,
     p.REQUEST_KIND_CLOSE,
 )
-TIME_LOW = bytes([p.CONTROL_TIME_LOW])  # its value is another each time
+TIME_LOW = bytes([p.CONTROL_TIME_LOW])  # the value of this register is different each time
 
 
 def difference(program: Any, seed: int) -> str:
-    """What the program does otherwise than the reference in a history; nothing if they are the same."""
+    """Return the first difference between the program and the reference in a history.
+
+    The text is empty if there is none.
+    """
     a, d = WIDTHS[seed % 6]
     settings = small_settings(a, d, (8, 2, 4)[seed % 5 % 3], safe=SAFE)
     reference = ReferenceDevice(settings, Bus(dict(BAD)))
     engine = SmallEngine(program, settings, Bus(dict(BAD)), reply_steps=seed % 4 * 300)
     steps = list(history(seed, settings))
     for number, step in enumerate(steps):
-        if seed % 3 == 2 and number == len(steps) // 2:  # in the middle of a session
+        if seed % 3 == 2 and number == len(steps) // 2:  # reset in the middle of a session
             engine.reset()
-            engine.feed(b"\0")  # behind a border it takes frames
+            engine.feed(b"\0")  # after a border it takes frames
             reference = ReferenceDevice(settings, reference.bus, nonce=reference.nonce)
         expected, told = reference.feed(step), engine.feed(step)
         if without_clock(expected) != without_clock(told) or reference.bus.log != engine.bus.log:
@@ -166,7 +174,7 @@ def test_a_history(assembler: Any, seed: int) -> None:
 
 
 def test_it_looks_for_bytes_every_4200_clocks(assembler: Any) -> None:
-    """However long a frame takes. An instruction takes two clocks, and the page says so much."""
+    """It does so however long a frame is. An instruction takes two clocks. The page states this number."""
     program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
     looks: list[int] = []
 
@@ -204,12 +212,12 @@ def test_counters_stop_at_their_most(assembler: Any) -> None:
 
 
 def squeeze(text: str) -> str:
-    """Return the instructions of a source, without comments and blanks: so a test can name some of them."""
+    """Return the instructions of a source without comments and blanks, so that a test can name some."""
     lines = (" ".join(line.partition(";")[0].split()) for line in text.splitlines())
     return "; ".join(line for line in lines if line)
 
 
-MISTAKES = {  # what the program forgets: from, to
+MISTAKES = {  # what the program forgets: (from, to)
     "to clear the counters at a reset": ("ldx counters; ld #nonce_h; call clear; ", ""),
     "to end the session at a reset": ("ld #0xFF; st epoch_h; st epoch_l; next:", "next:"),
     "to clear its words at a reset": ("ldx time_low; ld #cleared & 0xFF; call clear; ", ""),
@@ -241,7 +249,7 @@ MISTAKES = {  # what the program forgets: from, to
 
 
 def damage_passes(program: Any) -> bool:
-    """Whether a WRITE with two flipped bits, wherever they are, is executed or answered."""
+    """Return whether a WRITE with two flipped bits is executed or answered, wherever these bits are."""
     engine = SmallEngine(program, small_settings())
     engine.feed(opening())
     right = Frame(p.REQUEST_KIND_WRITE, field((0, 2), (0x20, 2), (0x12345678, 4))).encode(EPOCH)
@@ -271,7 +279,7 @@ def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> No
     def noticed(seed: int) -> bool:
         try:
             return bool(difference(program, seed))
-        except (AssertionError, IndexError):  # it hangs, or sends what is no reply
+        except (AssertionError, IndexError):  # the program hangs, or sends something that is no reply
             return True
 
     assert any(noticed(seed) for seed in range(24)) or damage_passes(program)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""TosNet's memory map: random traffic from all sides on the slave in GHDL and on the twin, equal results."""
+"""TosNet's memory map: random traffic from all sides gives equal results on the slave in GHDL and on the
+twin.
+"""
 
 from __future__ import annotations
 
@@ -20,15 +22,17 @@ from unitylink.spec import load
 ROOT = Path(__file__).resolve().parents[2]
 GATEWARE = ROOT / "gateware"
 CLOCK_HZ = 1_000_000
-SEEN = [0x84, 0x87, 0x8C, 0x17F, 0x40, 0x44]  # of tosnet_slave_tb: words the nodes see …
+SEEN = [0x84, 0x87, 0x8C, 0x17F, 0x40, 0x44]  # from tosnet_slave_tb: the words that the nodes see …
 GIVEN = [0x80, 0x83, 0x88, 0x178, 0x179, 0x17B]  # … and give
-NOWHERE = 0x7FF  # an address without meaning
-# What happens in one clock happens in this order: the PC's access first, then what changes around it.
+NOWHERE = 0x7FF  # an address without a meaning
+# Within one clock, things happen in this order: first the PC's access, then the changes around it.
 ORDER = "grwtpsbod"
 
 
 class Twin:
-    """Does what a line of the bench's log says, and says what the gateware should have done."""
+    """A twin that does what each line of the bench's log says, and returns what the gateware should have
+    done.
+    """
 
     def __init__(self, cycle_clocks: int, max_skipped_writes: int, words: int, whole_memory: bool) -> None:
         tosnet = TosnetConfiguration(
@@ -45,7 +49,7 @@ class Twin:
         return self.known is None or address >= protocol.TOSNET_MEMORY_WORDS or address in self.known
 
     def expect(self, kind: str, clock: int, state: int, place: int, word: int) -> tuple[int, int]:
-        """The state and the word that should be in the line."""
+        """Return the state and the word that the line should have."""
         bus = self.bus
         match kind:
             case "r":
@@ -83,7 +87,7 @@ def log_of(path: Path) -> list[Line]:
     for line in path.read_text(encoding="ascii").splitlines():
         kind, clock, state, place, word = line.split()
         if int(place) == 0xFFFF:
-            break  # what comes after is not for the twin
+            break  # the lines after this one are not for the twin
         lines.append((kind, int(clock), int(state), int(place), int(word, 16)))
     return sorted(lines, key=lambda line: (line[1], ORDER.index(line[0])))
 
@@ -167,7 +171,7 @@ def test_synthesis(ghdl: Any, tmp_path: Path, whole: str, depth: int) -> None:
 
 
 def commits(board: Board) -> list[object]:
-    """Random writes and commits as a program without TosNetProxy makes them, and what both sides see then."""
+    """Write and commit at random, as a program without TosNetProxy does. Return what both sides see then."""
     draw, seen = random.Random(11), []
     inputs = [0x8C, 0x8D, 0x8E, 0x8F, 0x94, 0x95, 0x96, 0x97]
     with Link(f"{board.url}?timeout=10") as link:
@@ -184,7 +188,7 @@ def commits(board: Board) -> list[object]:
 
 
 def test_a_compiled_design_commits_as_the_twin_does() -> None:
-    """The netlist of the SCARA's design, whose two banks exchange without a copy."""
+    """The netlist of the SCARA's design, whose two banks change places without a copy."""
     spec = load(ROOT / "examples" / "scara" / "scara.ul")
     with RtlBoard(spec) as rtl, Board(spec) as twin:
         assert commits(rtl) == commits(twin)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Seeded random traffic on the core in GHDL and on the twin: equal reply bytes."""
+"""The same random traffic on the core in GHDL and on the twin gives equal reply bytes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from unitylink.simulate import BoardConfiguration
 from unitylink_lab.conformance.bench import bench, play_on_twin
 
-QUIET = 400  # clocks; more than a bus timeout and the rest behind it
+QUIET = 400  # clocks; longer than a bus timeout and the rest after it
 ODDITIES = "#$%&?:*\n\r ,.\t!0aGzR\x00\xff"
 
 CONFIGURATIONS: list[dict[str, Any]] = [
@@ -29,7 +29,7 @@ CONFIGURATIONS: list[dict[str, Any]] = [
 
 
 class Traffic:
-    """Makes requests for one configuration; most are right, the others nearly."""
+    """A source of requests for one configuration. Most are correct, the others nearly."""
 
     def __init__(self, configuration: BoardConfiguration, seed: int) -> None:
         self.c = configuration
@@ -116,9 +116,9 @@ class Traffic:
 
 
 def spoken(text: str, *, ending: str = "#\n") -> list[tuple[str, Any]]:
-    """An exchange; publishing, if it was switched on, ends before another base strobe comes.
+    """Return the steps of an exchange. If it starts publishing, it also stops it before the next base strobe.
 
-    `ending` ends a message that is still open, where the datalink does not care.
+    `ending` ends a message that is still open, for datalinks that ignore it otherwise.
     """
     return [("send", text), ("quiet", QUIET), ("send", ending + "#DPS\n"), ("quiet", QUIET)]
 
@@ -130,7 +130,7 @@ def split(answer: bytes) -> tuple[list[bytes], list[bytes]]:
 
 def compare(exchanges: Sequence[Any], twin: Sequence[bytes], rtl: Sequence[bytes]) -> None:
     for exchange, expected, got in zip(exchanges, twin, rtl, strict=True):
-        # The twin may tell of a bad message after the reply to one behind it; the core never does.
+        # The twin may report a bad message after the reply to a later one. The core never does.
         assert split(got) == split(expected), f"sent {exchange[0][1]!r}\ntwin {expected!r}\ncore {got!r}"
 
 
@@ -147,7 +147,7 @@ def test_messages(rtl: Any, generics: dict[str, Any]) -> None:
 
 
 def test_data_as_bytes(rtl: Any) -> None:
-    """Without a datalink what a request lacks is taken from whatever comes next."""
+    """Without a datalink, a request that lacks bytes takes them from whatever comes next."""
     configuration = replace(bench({"SG": 3, "SW": 3, "RMS": 20}), datalink="none")
     traffic = Traffic(configuration, seed=4)
     longest = "\n" * (1 + 255 * traffic.address_bytes)
@@ -167,7 +167,7 @@ def test_another_polynomial(rtl: Any) -> None:
 
 @pytest.mark.parametrize("stall_percent", [0, 30, 80])
 def test_bursts_under_back_pressure(rtl: Any, stall_percent: int) -> None:
-    """Requests sent without waiting, while neither side of the stream is always ready."""
+    """Requests are sent without waiting, while either side of the stream may stall."""
     configuration = bench({"PM": 0})
     traffic = Traffic(configuration, seed=3 + stall_percent)
     exchanges: list[list[tuple[str, Any]]] = [

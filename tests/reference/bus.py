@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A bus of a dictionary, which keeps a log: the oracle of what a device has really done."""
+"""A bus in a dictionary, with a log. The log tells a test what a device has really done."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from unitylink import protocol as p
 
 
 class BusError(Exception):
-    """What the bus answered: a reply status."""
+    """The bus did not answer with a word. `status` is the reply status."""
 
     def __init__(self, status: int) -> None:
         super().__init__(status)
@@ -18,9 +18,9 @@ class BusError(Exception):
 
 @dataclass
 class Bus:
-    """Words at all addresses; some answer with an error. Keeps a log of every access."""
+    """Words at all addresses. Some of them answer with an error. It keeps a log of every access."""
 
-    bad: dict[int, int] = field(default_factory=dict)  # address -> bus_error or bus_timeout
+    bad: dict[int, int] = field(default_factory=dict)  # address -> status: bus_error or bus_timeout
     words: dict[int, int] = field(default_factory=dict)
     fifos: dict[int, list[int]] = field(default_factory=dict)
     log: list[tuple[str, int, int]] = field(default_factory=list)

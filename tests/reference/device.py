@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The device of docs/protocol.md without time: bytes in, frames out, a dictionary for a bus."""
+"""The device of docs/protocol.md without time: bytes in, frames out, and a dictionary as its bus."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from unitylink import protocol as p
 
 MOST = 0xFFFFFFFF
 POSTS = (p.REQUEST_KIND_POST, p.REQUEST_KIND_POST_LIST)
-LONG = (p.REQUEST_KIND_LIST, p.REQUEST_KIND_EXCHANGE, p.REQUEST_KIND_READ_CONTROL)  # replies may be
+# their replies may be too long to keep
+LONG = (p.REQUEST_KIND_LIST, p.REQUEST_KIND_EXCHANGE, p.REQUEST_KIND_READ_CONTROL)
 OUTSIDE = (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
 COUNTERS = range(p.CONTROL_FRAMES, p.CONTROL_DEADMAN_TRIPS + 1)
 STATE = range(p.CONTROL_TIME_LOW, p.CONTROL_PUBLISH + 1)
 
 
 class ReferenceDevice:
-    """One device. `clock` is set by who uses it; `tick()` is one tick of base_hz."""
+    """One device. Its user sets `clock`. One call of `tick()` is one tick of base_hz."""
 
     def __init__(self, settings: Settings | None = None, bus: Bus | None = None, nonce: int = 0) -> None:
         self.settings = settings or Settings()
@@ -32,9 +33,9 @@ class ReferenceDevice:
         self.epoch = p.FRAME_OPEN_EPOCH
         self.tripped = False
         self._borders = Borders()
-        self.nonce = nonce  # of the last HELLO answer; outlives a reset
+        self.nonce = nonce  # of the last HELLO answer; it outlives a reset
         self._session_nonce = 0
-        self._offered = False  # a HELLO answer that no OPEN has used
+        self._offered = False  # true after a HELLO answer whose nonce no OPEN has used
         self._closed_told = False
         self._tripped_in_session = False
         self._time_high = 0
@@ -45,15 +46,15 @@ class ReferenceDevice:
         return self.epoch != p.FRAME_OPEN_EPOCH
 
     def feed(self, data: bytes) -> bytes:
-        """What the device answers to bytes from the host."""
+        """Take bytes from the host, and return the device's answer."""
         return b"".join(self.take(piece) for piece in self._borders.feed(data))
 
-    # ---- a frame, up to the kinds
+    # ---- a frame, until its kind is known
 
     def take(self, piece: bytes) -> bytes:
-        """What the device answers to what stood between two borders."""
+        """Take the piece between two borders, and return the device's answer."""
         if piece[0] < 0x80:
-            return b""  # no kind: the classic side's
+            return b""  # no kind of frame: the byte belongs to the classic side
         if len(piece) > self.longest:
             return self._drop(p.CONTROL_DISCARDED_LONG)
         outside = piece[0] in OUTSIDE
@@ -76,7 +77,7 @@ class ReferenceDevice:
 
     @property
     def longest(self) -> int:
-        """Bytes between borders of the longest request: kind, COBS, check."""
+        """Bytes between the borders of the longest request: kind, COBS, check."""
         return 1 + self.settings.request_max + self.settings.request_max // 254 + 1 + p.FRAME_CRC32_BYTES
 
     def _drop(self, counter: int) -> bytes:
@@ -179,7 +180,7 @@ class ReferenceDevice:
     # ---- requests
 
     def _must_have(self, operation: int) -> None:
-        """Raise `Invalid` for a request of something that the device was built without."""
+        """Raise `Invalid` for a request that needs something that the device was built without."""
         s = self.settings
         needs = {
             p.REQUEST_KIND_LIST: s.lists,
@@ -211,7 +212,7 @@ class ReferenceDevice:
                 return self._reply(request.id, place.status, place.reply)
             refusal = self._refusal(request, repeated=True)
             if request.operation not in LONG:
-                refusal = p.REPLY_STATUS_INVALID  # the id was another request's
+                refusal = p.REPLY_STATUS_INVALID  # the id belonged to another request
             answer = (refusal, b"") if refusal else self._execute(request, repeated=True)
             return self._reply(request.id, *answer)
         self._count(p.CONTROL_FRAMES)
@@ -235,7 +236,7 @@ class ReferenceDevice:
         return self._frame(p.DEVICE_KIND_REPLY + status, field((request_id, 2), (self.posts, 2)) + reply)
 
     def _untimely(self, request: Request) -> int:
-        """Why a request may not be executed yet; 0 if it may."""
+        """Return why a request may not be executed yet, or 0 if it may."""
         before = (request.id - 1) % 0x10000
         if request.chained and (self._place(before).id - before) % 0x10000 >= 0x8000:
             return p.REPLY_STATUS_ORDER
@@ -244,7 +245,7 @@ class ReferenceDevice:
         return 0
 
     def _refusal(self, request: Request, *, repeated: bool) -> int:
-        """Why a request is never executed; 0 if it is. In the order of the page."""
+        """Return why a request is never executed, or 0 if it is. The checks are in the order of the page."""
         s = self.settings
         writes = request.operation == p.REQUEST_KIND_WRITE or any(word.writes for word in request.words)
         size = 0
@@ -298,7 +299,7 @@ class ReferenceDevice:
         return p.REPLY_STATUS_DENIED if late or early else 0
 
     def _execute(self, request: Request, *, repeated: bool) -> tuple[int, bytes]:
-        """Status and reply; a repeated request reads and does not write."""
+        """Return status and reply. A repeated request reads again, but does not write again."""
         d = self.settings.d
         done = 0
         try:
@@ -375,7 +376,7 @@ class ReferenceDevice:
             field((self._read(address) % (1 << 8 * size), size)) for address, size in exchange.inputs
         )
 
-    # ---- control registers, time
+    # ---- control registers and time
 
     def _control(self, address: int) -> int:
         if address in COUNTERS:
@@ -401,7 +402,7 @@ class ReferenceDevice:
             self._ticks = 0
 
     def tick(self) -> bytes:
-        """One tick of base_hz: the dead-man counts, groups that are due publish."""
+        """Do one tick of base_hz: the dead-man counts, and the groups that are due publish."""
         if self._deadman_ticks:
             self._silent_ticks += 1
             if self._silent_ticks >= self._deadman_ticks:
@@ -415,7 +416,7 @@ class ReferenceDevice:
         return published
 
     def publish(self, number: int) -> bytes:
-        """One publish of a group, as its tick or event makes it."""
+        """Return one publish of a group, as its tick or event makes it."""
         group = self.groups[number]
         try:
             words = b"".join(field((self._read(address), self.settings.d)) for address in group.addresses)

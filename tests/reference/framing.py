@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bytes to frames and back (docs/protocol.md, section 1)."""
+"""Convert bytes to frames and back (docs/protocol.md, section 1)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from unitylink import protocol as p
 
 
 class NotCobs(ValueError):
-    """Bytes that no COBS encoder could have made."""
+    """No COBS encoder could have made these bytes."""
 
 
 def field(*fields: tuple[int, int]) -> bytes:
-    """Fields of a payload, most significant byte first: (value, bytes).
+    """Return the fields of a payload, most significant byte first: (value, bytes).
 
     >>> field((1, 2), (0xAB, 1)).hex()
     '0001ab'
@@ -23,7 +23,7 @@ def field(*fields: tuple[int, int]) -> bytes:
 
 
 def crc(polynomial: int, start: int, data: bytes) -> int:
-    """A reflected CRC without final XOR, bit by bit.
+    """Return a reflected CRC without final XOR, computed bit by bit.
 
     >>> hex(crc(p.FRAME_CRC16_POLYNOMIAL, 0xFFFF, b"123456789"))
     '0x6f91'
@@ -36,7 +36,7 @@ def crc(polynomial: int, start: int, data: bytes) -> int:
 
 
 def cobs_encode(payload: bytes) -> bytes:
-    """Take the zero bytes out.
+    """Encode, so that no zero byte is left.
 
     >>> cobs_encode(b"\\x11\\x00\\x22").hex()
     '02110222'
@@ -47,14 +47,14 @@ def cobs_encode(payload: bytes) -> bytes:
         whole, left = divmod(len(piece), 254)
         for index in range(whole):
             encoded += b"\xff" + piece[254 * index :][:254]
-        # Behind a last block of 254 bytes nothing stands, not even an empty block.
+        # After a last block of 254 bytes comes nothing, not even an empty block.
         if left or not whole or number < len(pieces):
             encoded += bytes([left + 1]) + piece[254 * whole :]
     return bytes(encoded)
 
 
 def cobs_decode(encoded: bytes) -> bytes:
-    """Put the zero bytes back; `NotCobs` where a block is cut short or holds a zero.
+    """Bring the zero bytes back. Raises `NotCobs` if a block is cut short or holds a zero.
 
     >>> cobs_decode(bytes.fromhex("02110222")).hex()
     '110022'
@@ -74,7 +74,7 @@ def cobs_decode(encoded: bytes) -> bytes:
 
 
 def check_bytes(body: bytes, epoch: int, long: bool) -> bytes:
-    """The check behind kind and COBS bytes: seven bits a byte, the low ones first."""
+    """Return the check that follows kind and COBS bytes: seven bits in each byte, the low ones first."""
     if long:
         value, count = crc(p.FRAME_CRC32_POLYNOMIAL, epoch << 16 | epoch, body), p.FRAME_CRC32_BYTES
     else:
@@ -90,7 +90,7 @@ class Frame:
     payload: bytes = b""
 
     def encode(self, epoch: int = p.FRAME_OPEN_EPOCH, always_long: bool = False) -> bytes:
-        """As it goes over the wire, with the closing border.
+        """Return the bytes on the wire, with the closing border.
 
         >>> Frame(p.REQUEST_KIND_HELLO, bytes([1, 1])).encode().hex()
         '80030101fa928300'
@@ -100,7 +100,9 @@ class Frame:
 
     @staticmethod
     def decode(between: bytes, epoch: int, always_long: bool = False) -> Frame | None:
-        """What stood between two borders; None if its check, its kind byte or its COBS blocks are wrong."""
+        """Return the frame between two borders, or None if its check, its kind byte or its COBS blocks are
+        wrong.
+        """
         long = always_long or len(between) > p.FRAME_SHORT_MAX + p.FRAME_CRC16_BYTES
         size = len(between) - (p.FRAME_CRC32_BYTES if long else p.FRAME_CRC16_BYTES)
         body = between[: max(size, 0)]
@@ -115,7 +117,7 @@ class Frame:
 
 
 class Borders:
-    """What stands between the 00s of a stream, whatever chunks it comes in; empty pieces are nobody's."""
+    """Cuts a stream at its zero bytes, in whatever chunks it comes. Empty pieces are left out."""
 
     def __init__(self) -> None:
         self._begun = b""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A host with one session: what it says, and what it understands of the answers."""
+"""A host with one session: the bytes that it sends, and the frames that it finds in the answers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ EPOCH = 0x1234
 
 
 def without_clock(answer: bytes) -> list[bytes | Frame]:
-    """Frames, but for the time at which a session was opened."""
+    """Return the frames, but without the time at which a session was opened."""
     shown: list[bytes | Frame] = []
     for piece in Borders().feed(answer):
         frame = Frame.decode(piece, p.FRAME_OPEN_EPOCH)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A reference device at the end of a line that is not always good."""
+"""A reference device at the end of a faulty line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from .settings import Settings
 
 
 class Line:
-    """A reference device behind a line that damages, loses, doubles and cuts frames, and resets it."""
+    """A reference device behind a line that damages, loses, doubles and cuts frames.
+
+    It also resets the device.
+    """
 
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)

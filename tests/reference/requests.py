@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stands in the payload of each request; each has one right length (docs/protocol.md, 3 to 5)."""
+"""The payload of each request. Its length must be exactly right (docs/protocol.md, 3 to 5)."""
 
 from __future__ import annotations
 
@@ -19,11 +19,14 @@ WRITES = (
 
 
 class Invalid(ValueError):
-    """A payload of the wrong form."""
+    """A payload has the wrong form."""
 
 
 class Fields:
-    """Takes a payload apart, most significant byte first; `Invalid` if it is too short or not used up."""
+    """Takes a payload apart, most significant byte first.
+
+    Raises `Invalid` if it is too short, or if bytes are left.
+    """
 
     def __init__(self, payload: bytes) -> None:
         self._left = payload
@@ -48,7 +51,7 @@ class Fields:
 
 @dataclass(frozen=True)
 class Word:
-    """One word of a list: where, and what to write there if it is not a read."""
+    """One word of a list: its address, and the value to write if it is not a read."""
 
     operation: int
     address: int
@@ -61,7 +64,10 @@ class Word:
 
 
 def words_of_list(fields: Fields, a: int, d: int) -> Iterator[Word]:
-    """The words of all operations that are left in `fields`, in order; A and D bytes wide."""
+    """Yield the words of all operations that are left in `fields`, in order.
+
+    Addresses have `a` bytes, words `d`.
+    """
     while fields:
         operation, count = fields.take(1), fields.take(1)
         if count == 0 or operation not in READS + WRITES:
@@ -82,22 +88,22 @@ def words_of_list(fields: Fields, a: int, d: int) -> Iterator[Word]:
 class Request:
     """One request of a session, taken apart."""
 
-    operation: int  # the kind without its bits
+    operation: int  # the kind without its flag bits
     id: int
     chained: bool = False
     barrier: int | None = None
-    address: int = 0  # of a word, a control register, or the number of a group
-    value: int = 0  # to write; the count of READ_CONTROL, the divisor of DEFINE_GROUP
+    address: int = 0  # address of a word or control register, or number of a group
+    value: int = 0  # the value to write, the count of READ_CONTROL, or the divisor of DEFINE_GROUP
     flags: int = 0
     words: tuple[Word, ...] = ()
     outputs: bytes = b""
     addresses: tuple[int, ...] = ()  # of DEFINE_GROUP
-    members: tuple[tuple[int, int], ...] = field(default=())  # of DEFINE_EXCHANGE: address, bytes
+    members: tuple[tuple[int, int], ...] = field(default=())  # for DEFINE_EXCHANGE: (address, bytes)
     output_count: int = 0
 
 
 def parse(kind: int, payload: bytes, a: int, d: int) -> Request:
-    """Take a request apart; `Invalid` unless it has exactly the form of its kind."""
+    """Take a request apart. Raises `Invalid` unless it has exactly the form of its kind."""
     fields = Fields(payload)
     operation = kind & ~(p.FRAME_CHAINED_BIT | p.FRAME_BARRIER_BIT)
     request_id = fields.take(2)
@@ -139,7 +145,7 @@ def parse(kind: int, payload: bytes, a: int, d: int) -> Request:
 
 
 def parse_post(kind: int, payload: bytes, a: int, d: int) -> tuple[int, tuple[Word, ...]]:
-    """The number of a post, and the words it writes."""
+    """Return the number of a post, and the words that it writes."""
     fields = Fields(payload)
     number = fields.take(2)
     if kind == p.REQUEST_KIND_POST:

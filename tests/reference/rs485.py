@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An RS-485 pair on a pseudo-terminal: nodes as in docs/protocol.md, section 10, each before a device on TCP.
+"""An RS-485 pair on a pseudo-terminal.
 
-Every byte that anybody says is heard by all others, and by the master too where its adapter hears itself.
+The nodes follow docs/protocol.md, section 10, each with a device on TCP.
+
+Every byte on the pair is heard by all others. The master hears its own bytes too if its adapter does.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ from typing import Protocol
 
 BORDER = 0
 POLL = 0x40
-_PATIENCE_S = 0.02  # of a node that was polled: its device may still be at work
+_PATIENCE_S = 0.02  # longest wait for a node that was polled, whose device may still be at work
 
 
 def token(node: int, *, poll: bool) -> bytes:
-    """Return the three bytes that say whose frames follow, or who speaks now.
+    """Return the three bytes that say for which node the next frames are, or which node sends now.
 
     >>> token(3, poll=False).hex(), token(0, poll=True).hex()
     ('03ca00', '40c900')
@@ -38,22 +40,22 @@ def token(node: int, *, poll: bool) -> bytes:
 
 
 class PairNode(Protocol):
-    """Whatever listens to a pair, and speaks when it is its turn."""
+    """Something that listens to a pair, and sends when it is its turn."""
 
     def hear(self, data: bytes) -> None: ...
     def say(self) -> bytes: ...
     def fileno(
         self,
-    ) -> int: ...  # readable when there is something to say; -1: asked behind a poll
+    ) -> int: ...  # readable when there is something to send; -1 if it must be asked after a poll
     def close(self) -> None: ...
 
 
 class ModelNode:
-    """A node whose device takes and gives frames on TCP."""
+    """A node whose device exchanges frames over TCP."""
 
     def __init__(self, number: int, address: tuple[str, int]) -> None:
         self.number = number
-        self._asked = False  # frames of ours have come since we spoke
+        self._asked = False  # frames for us have come since we last sent
         self._device = socket.create_connection(address)
         self._device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._message = b""
@@ -98,7 +100,7 @@ class ModelNode:
 
 
 class WireNode:
-    """A node that is whole, on TCP byte by byte: it hears all that is said, and says what it likes."""
+    """A complete node on TCP, byte by byte: it hears everything on the pair, and sends when it likes."""
 
     def __init__(self, address: tuple[str, int]) -> None:
         self._device = socket.create_connection(address)
@@ -121,13 +123,13 @@ class WireNode:
 
 
 class Pair:
-    """Nodes on a pseudo-terminal, whose name is `path`; `collisions` counts what nodes said unasked."""
+    """Nodes on a pseudo-terminal. `path` is its name, `collisions` counts what nodes sent out of turn."""
 
     def __init__(self, nodes: Mapping[int, PairNode], path: Path, *, echo: bool) -> None:
         self.path = path
         self.collisions = 0
-        self.dead: set[int] = set()  # nodes that hear and say nothing
-        self.flip = 0  # of so many bytes of the master's one has a bit flipped; 0: none
+        self.dead: set[int] = set()  # nodes that hear but send nothing
+        self.flip = 0  # one of so many bytes of the master has a flipped bit; 0 for none
         self._nodes = nodes
         self._echo = echo
         self._count = 0
@@ -147,7 +149,7 @@ class Pair:
             data = self._damaged(os.read(self._ours, 65536)) if self._ours in ready else b""
             if self._echo and data:
                 os.write(self._ours, data)
-            for piece in self._turns(data):  # who is polled answers before more is heard
+            for piece in self._turns(data):  # the polled node answers before more is heard
                 for node in alive.values():
                     node.hear(piece)
                 self._turn = next((n for n in alive if piece.endswith(token(n, poll=True))), self._turn)
@@ -163,7 +165,7 @@ class Pair:
             os.write(self._ours, answer)
 
     def _turns(self, data: bytes) -> list[bytes]:
-        """Cut what the master says behind each poll."""
+        """Cut the master's bytes after each poll."""
         ends = sorted(
             match.end()
             for number in self._nodes
@@ -181,7 +183,7 @@ class Pair:
         return bytes(damaged)
 
     def unplug(self) -> None:
-        """End it as an adapter does that is pulled out."""
+        """Close it as when an adapter is pulled out."""
         self.close()
 
     def close(self) -> None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Seeded scenarios: what a host, or a bad wire, may send. All implementations answer with the same bytes."""
+"""Random scenarios from a seed: what a host, or a bad wire, may send.
+
+All implementations answer with the same bytes.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +28,15 @@ CONTROLS = (
 
 
 def _unclassic(piece: bytes) -> bytes:
-    """What the classic side gets of a bad wire, without its heads: its answers are not tried here."""
+    """Return what the classic side gets of a bad wire, without its heads. Its answers are not tested here."""
     return piece.translate(None, b"#$%&") if piece[:1] < b"\x80" else piece
 
 
 def under_a_used_id(settings: Settings, epoch: int) -> Iterator[bytes]:
-    """Requests of all kinds under the id of a LIST whose reply was too long to be kept; then the counters."""
+    """Yield requests of all kinds under a used id, and then the counters.
+
+    The id was that of a LIST whose reply was too long to keep.
+    """
     a, d = settings.a, settings.d
 
     def ask(kind: int, *fields: tuple[int, int], id: int = 0) -> bytes:
@@ -61,10 +67,10 @@ def under_a_used_id(settings: Settings, epoch: int) -> Iterator[bytes]:
 
 
 class Scenario:
-    """Steps of bytes for a device with `settings`; the same seed gives the same steps.
+    """Steps of bytes for a device with `settings`. The same seed gives the same steps.
 
-    `clock` fields are the only ones of the answers that depend on time; what asks for them is left out, but
-    for the answer to OPEN. With `timed` groups publish and the dead-man runs, by the device's clock.
+    Only `clock` fields of answers depend on time. Requests for them are left out, but not the answer to OPEN.
+    With `timed`, groups publish and the dead-man runs by the device's clock.
     """
 
     def __init__(
@@ -186,7 +192,7 @@ class Scenario:
         if draw.random() < 0.2:
             kind |= p.FRAME_BARRIER_BIT
             head += field(((self._post + draw.choice((0, 0, 0, 1))) % 0x10000, 2))
-        if draw.random() < 0.05:  # a form that is wrong
+        if draw.random() < 0.05:  # a wrong form
             body = body[: draw.randrange(len(body) + 1)] if draw.random() < 0.5 else body + draw.randbytes(1)
         return self._encode(kind, head + body)
 

@@ -30,10 +30,10 @@ class Settings:
     gateware_version: int = 0x00010000
     build: int = 0
     safe: tuple[tuple[int, int], ...] = ()
-    lists: bool = True  # without lists, groups or exchange groups their requests have no form
+    lists: bool = True  # without lists, groups or exchange groups, requests for them are invalid
 
     def description(self) -> dict[int, int]:
-        """Return the control registers that tell these settings."""
+        """Return the control registers that describe these settings."""
         return {
             p.CONTROL_MAGIC: p.CONTROL_VALUE_MAGIC,
             p.CONTROL_VERSION: p.FRAME_VERSION << 16,

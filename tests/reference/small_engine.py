@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The small engine's program on a model of its hardware, without time: bytes come and go at once.
 
-`gateware/small/framed_small.vhd` is the hardware. The model is for many histories, and for wrong programs.
+The hardware itself is `gateware/small/framed_small.vhd`. The model is for many histories and for faulty
+programs.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ from reference.framing import crc
 from reference.settings import Settings
 from unitylink import protocol as p
 
-DENIED = 3  # what the bus answers to a write after a trip
+DENIED = 3  # the bus answers so to a write after a trip
 STEPS_MOST = 1_000_000
 
 
 class Program(Protocol):
-    """What tools/small/assemble.py makes of the source."""
+    """The output of tools/small/assemble.py."""
 
     words: list[int]
     names: dict[str, int]
@@ -27,7 +28,7 @@ class Program(Protocol):
 
 
 def memory_of(settings: Settings, names: dict[str, int]) -> bytearray:
-    """Return the data memory at power-up, as small_memory_pkg.vhd has it."""
+    """Return the data memory at power-up, as it is in small_memory_pkg.vhd."""
     s = settings
     memory = bytearray(512)
     for register, value in s.description().items():
@@ -45,7 +46,7 @@ class SmallEngine:
     program: Program
     settings: Settings
     bus: Bus = field(default_factory=Bus)
-    reply_steps: int = 0  # instructions for which a reply is being sent
+    reply_steps: int = 0  # instructions that run while a reply is being sent
 
     def __post_init__(self) -> None:
         self.memory = memory_of(self.settings, self.program.names)
@@ -55,7 +56,7 @@ class SmallEngine:
         self.reset()
 
     def reset(self) -> None:
-        """Reset it as the signal does: the memory keeps what it has."""
+        """Reset it as the reset signal does. The memory keeps its contents."""
         self.position = self.come = self.free = self.sending = self.pieces = 0
         self.put_at = self.reply_start
         self.tripped = self.running = self.tripped_now = self.uncounted = False
@@ -161,7 +162,7 @@ class SmallEngine:
             self.free = given & 127
 
     def _tell(self, actions: int) -> None:
-        """Do what the dead-man does without time, and shift the CRC."""
+        """Do those actions of the dead-man that need no time, and shift the CRC."""
         if actions & 4:
             self.running = self.word != 0 and not self.tripped
         if actions & 8 and self.running:
@@ -192,7 +193,7 @@ class SmallEngine:
 
 
 def small_settings(a: int = 2, d: int = 4, window: int = 8, **others: Any) -> Settings:
-    """Return what a device with the small engine tells of itself."""
+    """Return the settings that a device with the small engine reports."""
     sizes = {"credit": 96, "request_max": 32, "reply_max": 76, "cache": 8, "window": window}
     has = {"groups": 0, "group_size": 0, "exchanges": 0, "exchange_size": 16, "lists": False}
     return Settings(a, d, **{**sizes, **has, "features": p.CONTROL_VALUE_FEATURE_DEADMAN, **others})

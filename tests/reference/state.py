@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 @dataclass
 class Place:
-    """What was executed last for the ids of one place; `reply` is None when it was too long to keep."""
+    """What was last executed for the ids of one place. `reply` is None if it was too long to keep."""
 
     id: int
     status: int = 0
-    empty: bool = True  # nothing has been executed here
+    empty: bool = True  # true while nothing has been executed here
     reply: bytes | None = b""
 
 

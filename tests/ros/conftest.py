@@ -41,7 +41,7 @@ class Workspace:
     environment: dict[str, str] = field(default_factory=dict)
 
     def source(self) -> dict[str, str]:
-        """Return what `source devel/setup.bash` makes of the environment."""
+        """Return the environment after `source devel/setup.bash`."""
         shown = subprocess.run(
             ["bash", "-c", ". devel/setup.bash && env -0"],
             cwd=self.folder,
@@ -54,7 +54,7 @@ class Workspace:
 
 @pytest.fixture(scope="session")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """The packages of all specs, built as their README says, in an environment as their README says."""
+    """The packages of all specs. Environment and build follow their README."""
     assert shutil.which("catkin_make"), "ROS 1 is missing: tools/setup.sh system"
     folder = tmp_path_factory.mktemp("catkin")
     made_by = [sys.executable, ROOT / "tools" / "ros_environment.py", folder / "env"]
@@ -105,14 +105,14 @@ def free_port() -> int:
 
 @dataclass
 class Ros:
-    """A running master, and how to run ROS's own programs with it."""
+    """A running master, with functions that run ROS's own programs on it."""
 
     environment: dict[str, str]
     folder: Path
     _running: list[subprocess.Popen[str]] = field(default_factory=list)
 
     def run(self, *command: str, timeout: float = PATIENCE_S) -> str:
-        """Run a program to its end; return what it printed."""
+        """Run a program to its end and return its output."""
         with subprocess.Popen(
             command,
             env=self.environment,
@@ -125,19 +125,19 @@ class Ros:
             try:
                 out, err = process.communicate(timeout=timeout)
             except subprocess.TimeoutExpired:
-                os.killpg(process.pid, signal.SIGKILL)  # what it started holds the pipes, too
+                os.killpg(process.pid, signal.SIGKILL)  # the processes that it started hold the pipes, too
                 out, err = process.communicate()
         assert process.returncode == 0, f"{' '.join(command)}: {out}{err}\n{self.logs()}"
         return out
 
     def logs(self) -> str:
-        """Return what the programs that were started have said."""
+        """Return the output of the programs that were started."""
         return "\n".join(f"{log.name}:\n{log.read_text()}" for log in self.folder.glob("*.log"))
 
     def start(self, *command: str) -> subprocess.Popen[str]:
-        """Start a program, in a group of processes of its own; it is interrupted with the test."""
+        """Start a program in a process group of its own. It is interrupted at the end of the test."""
         with (self.folder / f"{Path(command[0]).name}.log").open("w") as log:
-            # A shell's background job ignores interrupts, and so would what it starts.
+            # A background job of a shell ignores interrupts, and so would a program that it starts.
             heeding = ("env", "--default-signal=INT", *command)
             process = subprocess.Popen(
                 heeding,
@@ -152,7 +152,10 @@ class Ros:
         return process
 
     def interrupt(self, process: subprocess.Popen[str]) -> None:
-        """Press Ctrl-C in its terminal, which is for all of its group, and wait for its end."""
+        """Interrupt a program as Ctrl-C in its terminal does, which reaches its whole group.
+
+        Wait for its end.
+        """
         os.killpg(process.pid, signal.SIGINT)
         try:
             process.wait(timeout=PATIENCE_S)
@@ -160,7 +163,7 @@ class Ros:
             raise AssertionError(f"{process.args} goes on after Ctrl-C\n{self.logs()}") from None
 
     def publish(self, topic: str, kind: str, text: str) -> None:
-        """Have rostopic publish a message, latched until the test ends."""
+        """Let rostopic publish a message that stays latched until the test ends."""
         self.start("rostopic", "pub", topic, kind, text)
 
     def python(self, code: str, *arguments: str) -> str:
@@ -168,7 +171,7 @@ class Ros:
         return self.run("python3", "-c", code, *arguments)
 
     def until(self, holds: Callable[[], bool]) -> None:
-        """Ask again and again until something holds."""
+        """Ask again and again until the condition holds."""
         deadline = time.monotonic() + PATIENCE_S
         while not holds():
             assert time.monotonic() < deadline, f"waited in vain\n{self.logs()}"
@@ -211,7 +214,7 @@ def _listens(port: int) -> bool:
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A DDS domain of this test, on the loopback interface."""
+    """A DDS domain for this test alone, on the loopback interface."""
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
     return free_domain()
 

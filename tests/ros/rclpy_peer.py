@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `ros2 topic` and `ros2 service` do, on genuine rclpy; the wheels of ROS 2 have no command line.
+"""Do what `ros2 topic` and `ros2 service` do, with genuine rclpy. The wheels of ROS 2 have no command line.
 
-A line of JSON on standard input asks, a line on standard output answers. {"ask": "echo", "topic": .., "type":
-..} waits for a message, "pub" with "fields" publishes once somebody listens, "call" calls a service, "graph"
-tells nodes, topics and the quality of service of a topic's publishers.
+Each line of JSON on standard input is a question. A line on standard output answers it. The value of "ask" is
+one of four. "echo" with "topic" and "type" waits for a message. "pub" with "fields" publishes as soon as
+somebody listens. "call" calls a service. "graph" tells nodes, topics and the quality of service of a topic's
+publishers.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def kind(name: str, part: str) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """A message as what JSON knows."""
+    """Return a message as types that JSON has."""
     if hasattr(value, "get_fields_and_field_types"):
         return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if isinstance(value, bytes):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figures of ROS can be measured; their numbers are no business of a test."""
+"""The figures of ROS can be measured. No test looks at the numbers."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ROS 2 node on DDS: what lies on the wire is what ROS 2 would put there, byte for byte."""
+"""The ROS 2 node on DDS: the bytes on the wire are those that ROS 2 would send."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PATIENCE_S = 120.0
 
 
 def store() -> Any:
-    """Return rosbags' own knowledge of ROS 2's messages, with those of the rig's package."""
+    """Return rosbags' own store of ROS 2's messages, with those of the rig's package."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     known = get_typestore(Stores.ROS2_HUMBLE)
@@ -76,7 +76,10 @@ numbers = {
 @settings(max_examples=60)
 @given(data=st.data())
 def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: Any) -> None:
-    """Any message with any content: our bytes are those of rosbags' serialiser, and are read back."""
+    """For any message with any content, our bytes are those of rosbags' serialiser.
+
+    They are also read back.
+    """
     all_fields = definitions(plan_interface(load(RIG)))
     name = data.draw(st.sampled_from(sorted(all_fields)))
 
@@ -87,7 +90,7 @@ def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: A
             return [value(found[1]) for _ in range(length)]
         if kind in numbers:
             return data.draw(numbers[kind])
-        # rosbags takes ROS's `byte` for signed: levels of diagnostics are 0 to 3
+        # rosbags reads ROS's `byte` as signed; levels of diagnostics are 0 to 3
         parts = (data.draw(st.integers(0, 3)) if f == "level" else value(k) for f, k in all_fields[kind])
         return types[kind](*parts)
 
@@ -112,7 +115,7 @@ def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: A
 
 
 class Peer:
-    """A participant as another program has it; messages are kept per topic."""
+    """A participant that stands for another program. It keeps the messages of each topic."""
 
     def __init__(self, domain: int, types: DdsTypes) -> None:
         from cyclonedds.domain import DomainParticipant
@@ -197,7 +200,7 @@ def test_generated_node_on_dds(
     peer = Peer(domain, types)
     captured: list[bytes] = []
     kind = types["sensor_msgs/JointState"]
-    wire = type("JointState_", (kind,), {})  # the same type, whose bytes are kept as they come
+    wire = type("JointState_", (kind,), {})  # the same type, but its bytes are kept as they come
     wire.__idl__ = kind.__idl__
     wire.deserialize = classmethod(
         lambda cls, data, **_: captured.append(bytes(data)) or kind.deserialize(data)
@@ -218,7 +221,8 @@ def test_generated_node_on_dds(
     for position in range(1, 101):
         commands.write(kind(header, ["j_1"], [position / 100], [], []))
     until(lambda: device.registers[0x1A] == 1000)
-    for joint, position in (("j_0", 0.7), ("j_1", 0.8)):  # at once, and neither in place of the other
+    # the two come at once, and neither replaces the other
+    for joint, position in (("j_0", 0.7), ("j_1", 0.8)):
         commands.write(kind(header, [joint], [position], [], []))
     until(lambda: (device.registers[0x12], device.registers[0x1A]) == (700, 800))
 
@@ -239,7 +243,7 @@ def test_generated_node_on_dds(
 
 @pytest.fixture
 def node_here(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]]:
-    """A node on DDS within this process, whose threads can be reached."""
+    """A node on DDS within this process, so that the test can reach its threads."""
     device, spec = board("rig", "still"), load(RIG)
     interface = plan_interface(spec)
     plane = DdsPlane(interface, "rig", domain)
@@ -261,7 +265,7 @@ def node_here(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]
 def test_a_message_that_cannot_be_read_ends_nothing(
     node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes
 ) -> None:
-    """A name that is no UTF-8, as any participant may send it: refused, and the next message is taken."""
+    """Any participant may send a name that is not UTF-8. It is refused, and the next message is taken."""
     node, device = node_here
     kind = types["sensor_msgs/JointState"]
     commands = Peer(domain, types).writer("rt/rig/joint_commands", kind)
@@ -288,7 +292,10 @@ def test_a_message_that_cannot_be_read_ends_nothing(
 def test_a_number_that_a_word_cannot_hold_is_refused_whole(
     node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes, wrong: float
 ) -> None:
-    """x and yaw of the cart are f32 without limits: neither goes where one is not a finite f32."""
+    """x and yaw of the cart are f32 without limits.
+
+    If one of them is not a finite f32, neither is written.
+    """
     node, device = node_here
     twist, vector = types["geometry_msgs/Twist"], types["geometry_msgs/Vector3"]
     commands = Peer(domain, types).writer("rt/rig/cart/cmd_vel", twist)
@@ -333,7 +340,7 @@ def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answere
     assert not reply.success and "has not moved on" in reply.message
     health = node.health()
     assert health.level == 2 and "has not moved on" in health.message
-    until(lambda: device.registers[0x0] == 0)  # SAFE, of the gateware
+    until(lambda: device.registers[0x0] == 0)  # the gateware has written the SAFE value
     del session.inbox.put
     held.set()
     until(node.keeper.up.is_set)
@@ -343,7 +350,10 @@ def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answere
 
 
 def test_what_is_gathered_arrives_whole_and_in_order(domain: int, types: DdsTypes) -> None:
-    """Many messages in few packets; one alone goes at once, and so does what another thread publishes."""
+    """Many messages travel in few packets.
+
+    A single one goes at once, and so does what another thread publishes.
+    """
     plane = DdsPlane(plan_interface(load(RIG)), "rig", domain)
     port = plane.advertise(Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096))
     kind, peer = plane.types["std_msgs/Int32"], Peer(domain, types)
@@ -369,11 +379,11 @@ def test_what_is_gathered_arrives_whole_and_in_order(domain: int, types: DdsType
         other.join()
         until(lambda: come(41))
     plane.close()
-    until(lambda: not reader.get_matched_publications())  # it has left, though its objects are still here
+    until(lambda: not reader.get_matched_publications())  # it has left, though its objects still exist here
 
 
 def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: DdsTypes) -> None:
-    """Standard messages alone, both ways."""
+    """Only standard messages, both ways."""
     device = board("rig", "still")
     device.registers[0x3] = 7
     command = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Genuine ROS 2 (Jazzy): the generated package built by colcon, both nodes in Python seen by it."""
+"""Genuine ROS 2 (Jazzy). Colcon builds the generated package, and ROS 2 sees both nodes in Python."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ HERE = Path(__file__).parent
 JAZZY = HERE.parents[1] / "build" / "jazzy"
 MakeBoard = Callable[..., Board]
 PATIENCE_S = 120.0
-pytestmark = pytest.mark.xdist_group("jazzy")  # one workspace is built for all of these
+pytestmark = pytest.mark.xdist_group("jazzy")  # one workspace is built for all of these tests
 
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """The rig's package, built as its README says; the environment in which its programs run."""
+    """The rig's package, built as its README says, and the environment in which its programs run."""
     assert (JAZZY / "made-of.txt").exists(), "ROS 2 is missing: tools/setup.sh ros2"
     folder = tmp_path_factory.mktemp("colcon")
     write(load(HERE / "rig.ul"), folder / "src", "ros2")
@@ -65,7 +65,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 @dataclass
 class Peer:
-    """A process of genuine ROS 2 that is asked in JSON."""
+    """A process of genuine ROS 2 that takes questions in JSON."""
 
     process: subprocess.Popen[str]
 
@@ -81,7 +81,7 @@ class Peer:
 def publish_until(
     device: Board, arrived: dict[int, int], peer: Peer, *commands: tuple[str, str, dict[str, Any]]
 ) -> None:
-    """Publish until it arrives: DDS loses what is sent before the reader knows the publisher."""
+    """Publish until it arrives. DDS loses what is sent before the reader knows the publisher."""
     for _ in range(300):
         if {address: device.registers[address] for address in arrived} == arrived:
             return
@@ -93,7 +93,7 @@ def publish_until(
 
 @contextmanager
 def running(environment: dict[str, str], *command: str | Path, log: Path) -> Iterator[subprocess.Popen[str]]:
-    """Start a node; interrupt it at the end, as Ctrl-C does, and see that it ends well."""
+    """Start a node. At the end, interrupt it as Ctrl-C does, and check that it ends well."""
     with log.open("w") as out:
         heeding = ("env", "--default-signal=INT", *command)
         process = subprocess.Popen(heeding, env=environment, stdout=out, stderr=out, text=True)
@@ -170,8 +170,8 @@ def test_the_generated_node_on_rclpy(
         assert safe["success"] and "j[1].pos_sp" in safe["message"]
 
         wrong = {"name": ["nobody"], "position": [0.5], "velocity": []}
-        for _ in range(60):  # it is told once a second
-            # Alone on its topic: of two commands in a row, a node may see the later one only.
+        for _ in range(60):  # diagnostics come once a second
+            # The command is alone on its topic. Of two commands in a row, a node may see only the later one.
             peer("pub", topic="/rig/joint_commands", type="sensor_msgs/JointState", fields=wrong)
             (told,) = peer("echo", topic="/diagnostics", type="diagnostic_msgs/DiagnosticArray")
             (status,) = told["status"]
@@ -185,7 +185,10 @@ def test_the_generated_node_on_rclpy(
 
 
 def test_the_node_in_cpp_compiles(workspace: dict[str, str]) -> None:
-    """Against the headers of ROS 2's messages and of the rig's own; of rclcpp alone there is a stub."""
+    """It is compiled with the real headers of ROS 2's messages and of the rig's own.
+
+    Only rclcpp is a stub.
+    """
     install = Path(workspace["RIG_NODE"]).parents[2]
     source = install.parents[1] / "src" / "ros2" / "rig_unitylink" / "src" / "node.cpp"
     theirs = [*(JAZZY / "include").iterdir(), install / "include" / "rig_unitylink"]
@@ -201,7 +204,7 @@ def test_the_node_in_cpp_compiles(workspace: dict[str, str]) -> None:
 def test_the_node_on_dds_is_seen_by_ros_2(
     ros2: dict[str, str], peer: Peer, board: MakeBoard, tmp_path: Path
 ) -> None:
-    """No ROS 2 on the node's side, another maker's DDS on the other."""
+    """The node's side has no ROS 2. The other side uses DDS of another maker."""
     device = board("rig", "still")
     device.registers[0x10] = 500
     bridge = (sys.executable, "-m", "unitylink", "bridge", "ros2", f"{device.url}?timeout=2", HERE / "rig.ul")

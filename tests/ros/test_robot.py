@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a generated C++ node stands on, without ROS: numbers, loss, a program that hangs, other gateware."""
+"""The library below a generated C++ node, without ROS: numbers, lost links, a program that hangs, other
+gateware.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 SPEC = load(HERE / "robot.ul")
 PATIENCE_S = 60.0
-pytestmark = pytest.mark.xdist_group("robot")  # one program is compiled for all of these
+pytestmark = pytest.mark.xdist_group("robot")  # one program is compiled for all of these tests
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,7 @@ class Still:
 
 
 class Running:
-    """The program, what it answered and what it said."""
+    """The program, its answers and its output."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self.process = process
@@ -116,7 +118,7 @@ def is_up(robot: Running) -> bool:
 
 
 def test_numbers_are_those_of_python(program: Path) -> None:
-    """What is read is the same number in both, what is to be written the same word, or refused."""
+    """Both languages read the same number, and write the same word or refuse it."""
     random_ = random.Random(3)
     hostile = [
         math.nan,
@@ -230,7 +232,7 @@ def test_safe_values_are_refused_on_a_link_that_has_fallen_back_to_the_classic_p
 
 
 def test_registers_that_are_memory(program: Path, tmp_path: Path) -> None:
-    """No device, no protocol: the same node on a file that another process could serve."""
+    """There is no device and no protocol: the same node runs on a file that another process could serve."""
     path = tmp_path / "registers"
     path.write_bytes(bytes(4096))
     words = np.memmap(path, dtype="<u4", mode="r+")

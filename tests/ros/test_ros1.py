@@ -19,7 +19,7 @@ Ros = Any  # of conftest.py
 MakeBoard = Callable[..., Board]
 SPECS = {"walker18": Path(__file__).parents[2] / "examples" / "walker18" / "walker18_si.ul"}
 NODES = ["node.py", "node"]
-pytestmark = pytest.mark.xdist_group("ros1")  # one workspace is built for all of these
+pytestmark = pytest.mark.xdist_group("ros1")  # one workspace is built for all of these tests
 
 
 def launch(ros: Ros, robot: str, url: str, node: str) -> subprocess.Popen[str]:
@@ -39,7 +39,7 @@ def echo(ros: Ros, topic: str, count: int = 1) -> str:
 
 @pytest.mark.parametrize("node", NODES)
 def test_scara_moves_by_rostopic_pub(ros: Ros, board: MakeBoard, node: str) -> None:
-    """What the paper shows: topics come by themselves, and a published set-point moves the joint."""
+    """As in the paper: topics come by themselves, and a published set-point moves the joint."""
     device = board("scara", "scara")
     launch(ros, "scara", device.url, node)
     shown = echo(ros, "/scara/j1/feedback", 3)
@@ -112,7 +112,7 @@ def test_node_waits_for_the_device_and_survives_its_loss(ros: Ros, board: MakeBo
 
 @pytest.mark.parametrize("node", NODES)
 def test_a_killed_node_leaves_the_outputs_safe(ros: Ros, board: MakeBoard, node: str) -> None:
-    """The gateware does it by itself; the next node arms it again."""
+    """The gateware does this by itself. The next node arms it again."""
     device = board("rig", "still")
     program = str(Path(ros.environment["CMAKE_PREFIX_PATH"].split(":")[0]) / "lib" / "rig_unitylink" / node)
     command = (program, "__ns:=/rig", f"_link:={device.url}?timeout=2&deadman=0.5")
@@ -147,7 +147,7 @@ def test_wrong_commands_are_refused_by_the_node_in_cpp(ros: Ros, board: MakeBoar
 
 
 def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
-    """docs/ros.md, command by command; what is installed and built by it is the workspace of these tests."""
+    """docs/ros.md, command by command. Its installation and its build are the workspace of these tests."""
     text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
     section = text[text.index("## ROS 1, in ten minutes") : text.index("## ROS 2,")]
     _, build, terminals, commands = re.findall(r"```sh\n(.*?)```", section, re.S)
@@ -162,7 +162,7 @@ def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
     )
     ros.start(*shlex.split(roslaunch.replace("tcp://127.0.0.1:5555", f"{device.url}?timeout=2")))
     echo(ros, "/scara/j1/feedback")
-    active = ros.folder / "run.bag.active"  # while rosbag writes it
+    active = ros.folder / "run.bag.active"  # the file while rosbag writes it
     for command in commands.splitlines():
         words = shlex.split(command)
         if words[:2] in (["rostopic", "hz"], ["rostopic", "echo"], ["rosbag", "record"]):  # until Ctrl-C
@@ -183,7 +183,7 @@ def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
 
 @pytest.mark.parametrize("node", NODES)
 def test_the_walker_needs_nothing_by_hand(ros: Ros, board: MakeBoard, node: str) -> None:
-    """18 joints both ways, of a package that is built and launched as it was generated."""
+    """18 joints both ways, with a package that is built and launched exactly as it was generated."""
     device = board("walker18", "still")
     device.registers[0x40] = -250 & 0xFFFF
     launch(ros, "walker18", device.url, node)
@@ -197,7 +197,7 @@ def test_the_walker_needs_nothing_by_hand(ros: Ros, board: MakeBoard, node: str)
 
 
 def test_bridge_and_rosbag(ros: Ros, board: MakeBoard) -> None:
-    """The walker's 18 joints with nothing generated: recorded by rosbag, read without ROS by rosbags."""
+    """The walker's 18 joints with nothing generated. rosbag records them, rosbags reads them without ROS."""
     from rosbags.highlevel import AnyReader
 
     device = board("walker18", "ramp")

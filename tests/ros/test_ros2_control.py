@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The generated plug-in of ros2_control, compiled against stub headers of ours and run against the twin."""
+"""The generated plug-in of ros2_control, compiled with our stub headers and run against the twin."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from unitylink.spec import load
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MakeBoard = Callable[..., Board]
-pytestmark = pytest.mark.xdist_group("ros2_control")  # one program is compiled for all of these
+pytestmark = pytest.mark.xdist_group("ros2_control")  # one program is compiled for all of these tests
 
 
 @pytest.fixture(scope="module")

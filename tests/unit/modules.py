@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scripts of the project that are in no package, as modules."""
+"""Scripts of the project that are in no package, loaded as modules."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import ModuleType
 
 
 def module_of(path: Path) -> ModuleType:
-    """Return what a Python file defines, without a place in `sys.modules`."""
+    """Return the names that a Python file defines, without an entry in `sys.modules`."""
     found = importlib.util.spec_from_file_location(path.stem, path)
     assert found is not None and found.loader is not None
     module = importlib.util.module_from_spec(found)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Nothing that is there is written over unasked: by no command, and through no link."""
+"""No command overwrites an existing file without a request, and none writes through a symbolic link."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LAMP = "public lamp() { @led = 0x10: WRITE(); @light = 0x11: READ(); }"
 
 
 def in_the_way(kind: str, path: Path) -> Path:
-    """Put a file of somebody at `path`, or a link to one; return where his bytes are."""
+    """Put somebody's file at `path`, or a link to one. Return where the content is."""
     other = path.with_name(f"of-somebody{path.suffix}") if kind == "link" else path
     other.write_bytes(MINE)
     if kind == "link":
@@ -30,12 +30,12 @@ def in_the_way(kind: str, path: Path) -> Path:
     return other
 
 
-pytestmark = pytest.mark.xdist_group("matplotlib")  # whose import takes a second
+pytestmark = pytest.mark.xdist_group("matplotlib")  # one worker, because importing matplotlib takes a second
 
 
 @pytest.fixture
 def commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Callable[[Path], list[str]]]:
-    """All commands that make a file of which a user says the name."""
+    """Return all commands that make a file whose name the user gives."""
     monkeypatch.chdir(tmp_path)
     Path("lamp.ul").write_text(LAMP)
     Path("light.csv").write_text("time_s,light\n0.0,1\n1.0,2\n")

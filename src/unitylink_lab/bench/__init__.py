@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figures Unity-Link has to reach, measured.
+"""Measure the figures that Unity-Link has to reach.
 
 >>> from unitylink_lab.bench import run
 >>> report = run(only=["version"], quick=True, say=lambda message: None)
@@ -20,7 +20,7 @@ from .programs import find_checkout
 from .report import Report, say
 from .stolen import ProcessorTime
 
-# name -> (module, function), in the order they are measured and shown
+# name -> (module, function), in the order of measurement and display
 FIGURES: dict[str, tuple[str, str]] = {
     "sync-read": ("sync_read", "measure"),
     "sync-framed": ("sync_read", "measure_framed"),
@@ -61,12 +61,12 @@ FIGURES: dict[str, tuple[str, str]] = {
 
 
 def run(*, only: Sequence[str] = (), quick: bool = False, say: Callable[[str], None] = say) -> Report:
-    """Measure the figures named in `only` (all if empty) and return the report.
+    """Measure the figures named in `only`, or all if it is empty, and return the report.
 
-    `quick` takes seconds instead of a minute and gives rough numbers. `say` is told how far the run is.
-    A figure that cannot be measured (a program is not built, LiteX cannot be installed) does not keep the
-    others from it: the report's `failures` say why. Raises BenchError for a name there is not, or without a
-    source checkout.
+    `quick` takes seconds instead of a minute and gives rough numbers. `say` gets a line of progress before
+    each figure. A figure may be impossible to measure, because a program is not built or LiteX cannot be
+    installed. The others are measured all the same, and the report's `failures` give the reason. Raises
+    BenchError if a name is unknown or there is no source checkout.
     """
     unknown = [name for name in only if name not in FIGURES]
     if unknown:
@@ -87,7 +87,7 @@ def run(*, only: Sequence[str] = (), quick: bool = False, say: Callable[[str], N
             continue
         assert isinstance(figure, Figure)
         after = ProcessorTime.read()
-        if before and after:  # a figure means little if the host ran other machines meanwhile
+        if before and after:  # a figure means little if the host ran other machines at the same time
             figure = replace(
                 figure, details={**figure.details, "stolen by the host %": after.stolen_percent(since=before)}
             )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Processors that stay awake while a round trip is measured."""
+"""Keep the processors awake while a round trip is measured."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# It ends with this program, however this one ends.
+# The process ends with this program, however this program ends.
 _SPIN = """
 import os, sys
 os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
@@ -22,11 +22,11 @@ while os.getppid() == int(sys.argv[2]):
 
 @contextmanager
 def processors_awake() -> Iterator[None]:
-    """Keep every processor from sleeping: a process of the scheduling class `SCHED_IDLE` spins on each.
+    """Keep every processor from sleeping. On each one spins a process of the scheduling class `SCHED_IDLE`.
 
-    Such a process runs only when no other wants to, and gives way at once. Without it a round trip
-    contains the times in which a processor wakes up. In a virtual machine one takes 20 to 100 us, and more
-    or less from one minute to the next.
+    Such a process runs only when no other wants to, and gives way at once. Without it, a round trip contains
+    the time in which a processor wakes up. In a virtual machine this takes 20 to 100 us, and changes from one
+    minute to the next.
     """
     command = [sys.executable, "-S", "-c", _SPIN]
     spinning = [

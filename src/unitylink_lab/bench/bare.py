@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A call through a link against a bare C++ round trip through a pty, in turns."""
+"""Compare a call through a link with a bare C++ round trip through a pty. The two take turns."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .timing import Comparison, in_turns, times
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-# link -> the call, and the bytes for the bare program to send
+# takes a link; returns the call, and the bytes for the bare program to send
 Side = Callable[["Link"], tuple[Callable[[], object], list[str]]]
 FramedSide = Callable[["Link"], Callable[[], object]]
 
@@ -28,7 +28,7 @@ FramedSide = Callable[["Link"], Callable[[], object]]
 def against_bare(run: Run, url: str, protocol: str, side: Side) -> Comparison:
     """Measure `side` on a link of `protocol` to the pty at `url`.
 
-    The bare program holds a descriptor of the pty that was opened before the link took the port.
+    The bare program uses a descriptor of the pty that was opened before the link locked the port.
     """
     from unitylink import connect
 
@@ -40,10 +40,11 @@ def against_bare(run: Run, url: str, protocol: str, side: Side) -> Comparison:
 
 
 def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide) -> Comparison:
-    """Measure `side` on a framed link, against a bare program that sends and awaits the same bytes.
+    """Measure `side` on a framed link, against a bare program with the same bytes.
 
     A trace gives the bytes that the link sends, from the first one to the request that is measured. The bare
-    program sends the same to another twin, in another session. Only the ids count on.
+    program sends the same bytes to another twin, in another session. Only the ids change from one request to
+    the next.
     """
     from unitylink import connect
 
@@ -66,7 +67,7 @@ def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide
 
 
 def _said(url: str, side: FramedSide) -> bytes:
-    """Return the bytes that a link sends from its beginning, with one call of `side` at the end."""
+    """Open a link, call `side` once, and return all bytes that the link sent."""
     from unitylink import connect
 
     with tempfile.TemporaryDirectory() as folder:
@@ -75,7 +76,7 @@ def _said(url: str, side: FramedSide) -> bytes:
             side(link)()
             until = link.statistics().bytes_sent
         packets = [packet.data for packet in read_packets(trace) if packet.direction == SENT]
-    return b"".join(packets)[:until]  # without the farewell
+    return b"".join(packets)[:until]  # without the CLOSE at the end
 
 
 def _turns(run: Run, call: Callable[[], object], bare: Process) -> Comparison:
@@ -91,7 +92,7 @@ def _turns(run: Run, call: Callable[[], object], bare: Process) -> Comparison:
 
 
 def with_option(url: str, option: str) -> str:
-    """Return a URL with one more option.
+    """Return the URL with one more option.
 
     >>> with_option("serial:/dev/pts/3", "protocol=framed")
     'serial:/dev/pts/3?protocol=framed'
@@ -101,7 +102,7 @@ def with_option(url: str, option: str) -> str:
 
 @contextmanager
 def opened(url: str) -> Iterator[int]:
-    """Open the pty at `url`, as a bare program has it: before a link takes the port."""
+    """Open the pty at `url` for a bare program, before a link locks the port."""
     slave = os.open(url.partition(":")[2].partition("?")[0], os.O_RDWR | os.O_NOCTTY)
     try:
         yield slave

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The twin in a process of its own: `python -m unitylink_lab.bench.board ENDPOINT CONFIGURATION`.
 
-CONFIGURATION is a JSON object of `BoardConfiguration` fields. Prints the URL, serves until standard input
-ends. Word n of its memory holds FIRST_VALUE + n, so that a reader can check its words.
+CONFIGURATION is a JSON object of `BoardConfiguration` fields. The program prints the URL and serves until
+standard input ends. Word n of its memory holds FIRST_VALUE + n, so that a reader can check each word.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SPEC = f'link bench;\npublic bench() {{\n   @word = {ADDRESS:#x}: READ(ID="word"
 
 
 def layer4_word(link: Link) -> ReadValue[Any]:
-    """Return the word at ADDRESS as layer 4 has it, read once."""
+    """Return the word at ADDRESS as an object of layer 4, already read once."""
     from unitylink.layer4_data import ReadValue, load_spec_objects
     from unitylink.spec import compile_text
 
@@ -38,7 +38,7 @@ def layer4_word(link: Link) -> ReadValue[Any]:
 
 
 def reads_of(url: str, count: int) -> list[int]:
-    """Connect, and return the times of so many reads through layer 4 in ns."""
+    """Connect, read `count` times through layer 4, and return the times in ns."""
     from unitylink import connect
 
     from .timing import times

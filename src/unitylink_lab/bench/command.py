@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink bench`: the figures, on this machine."""
+"""`unitylink bench`: measure the figures on this machine."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from unitylink.commands.output import json_option, print_json
 @click.option("--list", "listing", is_flag=True, help="List the figures and end.")
 @json_option("the report")
 def command(only: tuple[str, ...], quick: bool, strict: bool, listing: bool, as_json: bool) -> int:
-    """Measure this machine against the required figures. The progress is on stderr.
+    """Measure this machine against the required figures. Progress is printed on stderr.
 
-    The two sides of each ratio are measured in turns within one run. Some figures need the native programs
-    that `make bench` builds. A missed figure is an error only with --strict. A figure that cannot be measured
-    is always one.
+    The two sides of each ratio take turns within one run. Some figures need the native programs that
+    `make bench` builds. A missed figure is an error only with --strict. A figure that cannot be measured is
+    always an error.
 
     \b
     Examples:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """18 scattered reads and 18 writes in one message each way, against a bare C++ program with the same bytes.
 
-`exchange` names the words each time, `cycle` has named them once: an exchange group.
+`exchange` names the addresses each time. `cycle` has named them once, as an exchange group.
 
-The bare program sends and awaits the same bytes as the link, made before its clock starts. So the ratio is
-the cost of the host's stack. Beside it stands the distance to a minimal echo: HELLO, which every device
-answers and which changes nothing in the session that is open.
+The bare program sends the same bytes as the link and waits for the same reply. They are made before its clock
+starts. So the ratio is the cost of the host's stack. The distance to a minimal echo is shown beside it. The
+echo is HELLO: every device answers it, and it changes nothing in the open session.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link, Words
 
 WORDS = 18
-READS = [0x200 + 7 * n for n in range(WORDS)]  # no two next to each other
+READS = [0x200 + 7 * n for n in range(WORDS)]  # no two of them are neighbours
 WRITES = [0x100 + 5 * n for n in range(WORDS)]
 HELLO = "0080030101fa928300"  # docs/protocol.md, section 2
-CLOCK_HZ = 1_000_000_000  # the device answers at once: at 50 MHz 36 accesses would rightly take it 3 us
+CLOCK_HZ = 1_000_000_000  # the device answers at once; at 50 MHz, 36 accesses would take it 3 us
 
 
 def measure(run: Run) -> Figure:

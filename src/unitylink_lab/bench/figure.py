@@ -14,10 +14,11 @@ from unitylink.errors import UnityLinkError
 class Figure:
     """One measured figure.
 
-    `limit` is the required value, an upper bound if `at_most`, else a lower one. `details` are the absolute
-    numbers behind it, name (with unit) to value. `complaint` says why the number does not count (messages
-    were lost, the source fell behind): such a figure is not met whatever its number. A `difference` is one of
-    two measurements, which differ by chance, too: where a run is short it may come out below zero.
+    `limit` is the required value. It is an upper bound if `at_most`, else a lower one. `details` are the
+    absolute numbers behind it: name (with unit) to value. `complaint` says why the number does not count:
+    messages were lost, or the source fell behind. Such a figure is not met, whatever its number. A
+    `difference` is the difference of two measurements. Both vary by chance, so in a short run it may be below
+    zero.
 
     >>> Figure("sync-read", "sync read over a bare round trip", 1.30, True, 1.12, "x").met
     True
@@ -41,11 +42,11 @@ class Figure:
 
     @property
     def asked(self) -> str:
-        """Return the limit, as text."""
+        """Return the limit as text."""
         return f"{'<=' if self.at_most else '>='} {number(self.limit)} {self.unit}"
 
     def to_json(self) -> dict[str, object]:
-        """Return the figure as JSON has it."""
+        """Return the figure for JSON."""
         return {
             "name": self.name,
             "title": self.title,
@@ -61,9 +62,9 @@ class Figure:
 
 @dataclass(frozen=True)
 class Run:
-    """The run of a figure.
+    """The settings of one run of the bench.
 
-    `quick` asks for the short form: it shows that the measurement works, its numbers are worth little.
+    `quick` asks for the short form. It shows that the measurement works, but its numbers are rough.
     """
 
     quick: bool
@@ -76,12 +77,12 @@ class Run:
 
     @property
     def build(self) -> Path:
-        """The folder for files of the bench."""
+        """The folder for the bench's files."""
         return self.checkout / "build" / "bench"
 
 
 class BenchError(UnityLinkError):
-    """A measurement could not be made. The message says what is missing or went wrong."""
+    """A measurement could not be made. The message says what is missing or what went wrong."""
 
 
 def number(value: float) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The generators: a large flat spec to every output there is, as a user runs it, a new process each time."""
+"""The generators: from a large flat spec to every output, as a user runs them, in a new process each time."""
 
 from __future__ import annotations
 
@@ -41,10 +41,11 @@ def measure_ten_thousand(run: Run) -> Figure:
 
 
 def measure_memory(run: Run) -> Figure:
-    """Measure the memory that takes."""
+    """Measure the memory that the generators need."""
     with tempfile.TemporaryDirectory() as folder:
         command = _command(Path(folder), 1_000 if run.quick else 10_000)
-        # A process begins with the peak of its parent: not of this one, which has measured other things.
+        # A process starts with its parent's peak memory, and this process has measured other things. So a
+        # small one starts it.
         launcher = [sys.executable, "-c", _LAUNCHER, *command, "--out", folder]
         done = subprocess.run(launcher, env=as_installed(), capture_output=True, text=True, check=False)
     if done.returncode:
@@ -58,15 +59,17 @@ def _outputs() -> str:
 
 
 def _command(folder: Path, registers: int) -> list[str]:
-    """Write a spec of so many registers. Return the command that makes everything of it, without the output
-    folder."""
+    """Write a spec of `registers` registers.
+
+    Return the command that makes all outputs of it, but for the output folder.
+    """
     spec = folder / "flat.ul"
     spec.write_text(flat_spec(registers), encoding="utf-8")
     return [sys.executable, "-m", "unitylink", "generate", str(spec), "--only", ",".join(ARTEFACTS)]
 
 
 def _generate(registers: int, runs: int) -> tuple[float, float]:
-    """Return time and processor time in s (medians) of making all artefacts."""
+    """Return the time and the processor time of making all artefacts, in s. Both are medians."""
     times: list[float] = []
     usages: list[struct_rusage] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -83,7 +86,7 @@ def _generate(registers: int, runs: int) -> tuple[float, float]:
 
 
 def _run(command: list[str], environment: Mapping[str, str]) -> tuple[int, struct_rusage]:
-    """Run the command. Return its exit code and what it used."""
+    """Run the command. Return its exit code and its use of resources."""
     quiet = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
     process = os.posix_spawn(command[0], command, environment, file_actions=quiet)
     _, status, usage = os.wait4(process, 0)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The throughput of a line that loses frames, against ideal selective repeat on the same line.
 
-On a virtual clock (`native/src/faults/goodput.hpp`), so that the same seed gives the same rate. The ideal
-knows of a loss when the answer would have come, sends that frame next, and waits for its window only.
-`python tools/docs/goodput.py` draws the curves of docs/faults.md.
+It runs on a virtual clock (`native/src/faults/goodput.hpp`), so the same seed gives the same rate. The ideal
+sender knows of a loss at the time when the answer would have come. It sends that frame next. It waits only
+when its window is full. `python tools/docs/goodput.py` draws the curves of docs/faults.md.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .figure import BenchError, Figure, Run
 
 BYTE_NS = 833  # 12 MBd
 DELAY_NS = 125_000  # each way: a USB microframe
-LOSS = 0.01  # of the frames, each way
+LOSS = 0.01  # share of the frames that is lost, each way
 ASKED = 0.97
 SEEDS = 5
 WINDOW = protocol.FRAME_WINDOW_DEFAULT
@@ -29,7 +29,7 @@ WINDOW = protocol.FRAME_WINDOW_DEFAULT
 
 @dataclass(frozen=True)
 class Traffic:
-    """Messages of one kind: posts, writes or reads of so many words each."""
+    """Messages of one kind: posts, writes or reads, of `message_words` words each."""
 
     name: str
     kind: str
@@ -48,21 +48,21 @@ POSTS = Traffic("posts of 32 words", "posts", 32)
 
 @dataclass(frozen=True)
 class Point:
-    """Words a second, and the words a second of the ideal."""
+    """The throughput and the throughput of the ideal sender, in words a second."""
 
     words_per_s: float
     ideal_words_per_s: float
 
     @property
     def share(self) -> float:
-        """Of the ideal."""
+        """The share of the ideal throughput that was reached."""
         return self.words_per_s / self.ideal_words_per_s
 
 
 def goodput(traffic: Traffic, lose: float, *, words: int, seed: int = 1) -> Point:
-    """Return the throughput if `lose` of the frames are lost, each way.
+    """Return the throughput if the share `lose` of the frames is lost, each way.
 
-    Raises BenchError if a word was not written once and in order, or not read as it is.
+    Raises BenchError if a word was not written exactly once and in order, or was read wrongly.
     """
     from unitylink import _native
 
@@ -79,7 +79,7 @@ def goodput(traffic: Traffic, lose: float, *, words: int, seed: int = 1) -> Poin
         quiet[way] * traffic.message_words * BYTE_NS * 1e-9
         for way in ("sent_bytes_per_word", "returned_bytes_per_word")
     )
-    # Between the end of a request and the end of its answer: the way, and the shorter of the two.
+    # From the end of a request to the end of its answer: the delay both ways, and the shorter transmission.
     trip_s = 2 * DELAY_NS * 1e-9 + min(there, back)
     messages = -(-words // traffic.message_words)
     window, ways = (messages, 1) if traffic.kind == "posts" else (traffic.window, 2)  # posts have no answer
@@ -97,9 +97,13 @@ def goodput(traffic: Traffic, lose: float, *, words: int, seed: int = 1) -> Poin
 def _ideal_messages_per_s(
     carried: Iterator[bool], messages: int, window: int, slot_s: float, trip_s: float
 ) -> float:
-    """Play a sender with an oracle; `carried` tells of each transmission whether it and its answer arrive."""
+    """Simulate the ideal sender.
+
+    `carried` tells of each transmission whether both it and its answer arrive.
+    """
     now_s, base, following = 0.0, 0, 0
-    answers: list[tuple[float, int, bool]] = []  # when the answer comes, or would come
+    # (time at which the answer comes or would come, number, whether it comes)
+    answers: list[tuple[float, int, bool]] = []
     missing: list[int] = []
     answered: set[int] = set()
     while base < messages:
@@ -125,13 +129,13 @@ def _ideal_messages_per_s(
 
 
 def measure(run: Run) -> Figure:
-    """Measure acknowledged requests. The worst kind counts."""
+    """Measure acknowledged requests. The figure is that of the worst kind."""
     shares = {traffic.name: _share(run, traffic) for traffic in REQUESTS}
     return _figure("goodput", "acknowledged requests", min(shares.values()), shares)
 
 
 def measure_posts(run: Run) -> Figure:
-    """Measure posts, which are executed in order: those behind a lost one are sent again."""
+    """Measure posts. They are executed in order, so the posts behind a lost one are sent again."""
     return _figure("posts-loss", POSTS.name, _share(run, POSTS), {})
 
 

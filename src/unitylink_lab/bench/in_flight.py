@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""In flight: 64 reads at once against one after another, over TCP to a twin with 1024-byte FIFOs."""
+"""Requests in flight: 64 reads at once against one after another, over TCP to a twin with 1024-byte FIFOs."""
 
 from __future__ import annotations
 

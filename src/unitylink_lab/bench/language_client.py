@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An editor as far as the language server can tell: it starts `unitylink lsp` and talks to it on pipes."""
+"""A stand-in for an editor: it starts `unitylink lsp` and talks to it through pipes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _CHUNK_BYTES = 65536
 
 
 class LanguageClient:
-    """One server process and its conversation.
+    """One server process and the conversation with it.
 
     Answers and notifications are read in the order in which the server sends them. A server that hangs does
-    not hang its caller: after `patience_s` without the next message, or without reading one, it is a
-    BenchError, and the process is killed.
+    not hang its caller. If no message comes within `patience_s`, or the server reads none, the process is
+    killed and the caller gets a BenchError.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class LanguageClient:
             raise
 
     def request(self, method: str, parameters: object) -> Any:
-        """Send a request and return its result. BenchError if the server answers with an error."""
+        """Send a request and return its result. Raises BenchError if the server answers with an error."""
         self._id += 1
         self._send({"id": self._id, "method": method, "params": parameters})
         while True:
@@ -66,7 +66,7 @@ class LanguageClient:
             self.notifications.append(message)
 
     def notify(self, method: str, parameters: object) -> None:
-        """Send a notification: nothing is answered."""
+        """Send a notification, which has no answer."""
         self._send({"method": method, "params": parameters})
 
     def open(self, uri: str, text: str) -> list[dict[str, Any]]:
@@ -95,7 +95,7 @@ class LanguageClient:
             self.notifications.append(message)
 
     def close(self) -> None:
-        """End the server as the protocol says. BenchError if it does not end well."""
+        """End the server as the protocol says. Raises BenchError if it does not end well."""
         try:
             self.request("shutdown", None)
             self.notify("exit", None)
@@ -147,9 +147,9 @@ class LanguageClient:
             self._move(until_s)
 
     def _move(self, until_s: float) -> None:
-        """Send and receive what is possible now; wait for that at most until `until_s`.
+        """Send and receive what is possible now, and wait for that until `until_s` at most.
 
-        Both, because a server may not read before its own output has been read.
+        It does both, because a server may not read before its own output has been read.
         """
         poll = select.poll()
         poll.register(self._from_server, select.POLLIN)

@@ -14,11 +14,11 @@ LINES = 500
 
 
 def measure(run: Run) -> Figure:
-    """Measure from sending a changed text of 500 lines to having its diagnostics, over the server's pipes."""
+    """Measure the time from sending a changed text of 500 lines to getting its diagnostics, through pipes."""
     uri = "file:///flat.ul"
     right = flat_spec(LINES - 3)
     middle = right.index(";", len(right) // 2)
-    texts = [right[:middle] + right[middle + 1 :], right]  # a `;` is removed, and comes back
+    texts = [right[:middle] + right[middle + 1 :], right]  # a `;` is removed and put back in turns
     with LanguageClient() as client:
         client.open(uri, right)
         version = iter(range(1, 1 << 30))
@@ -27,7 +27,7 @@ def measure(run: Run) -> Figure:
             number = next(version)
             client.change(uri, number, texts[(number - 1) % 2])
 
-        edit()  # the first answer pays for what is imported late
+        edit()  # the first answer is slower, because the server imports modules late
         samples = times(edit, run.rounds(60, 4))
     details = {"slowest ms": max(samples) / 1e6}
     title = f"language server, an edit in {LINES} lines"

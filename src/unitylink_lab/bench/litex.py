@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LiteX: our reads against LiteX's CommUART, each over a pty to an instant device in another process.
+"""LiteX: our reads against LiteX's CommUART, each through a pty to an instant device in another process.
 
-LiteX's side is its own released client in an environment of its own. The far end of its protocol is a small
-C++ program (`bench/native/bench_uartbone.cpp`). Ours is the twin, with a clock fast enough to be instant too.
+LiteX's side is its own released client, in an environment of its own. The far end of its protocol is a small
+C++ program (`bench/native/bench_uartbone.cpp`). Our far end is the twin, with a clock so fast that it is
+instant too.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ CLOCK_HZ = 1_000_000_000
 
 
 def environment(run: Run) -> Path:
-    """Return the Python that has LiteX. Make it the first time."""
+    """Return the Python interpreter that has LiteX. Install it the first time."""
     folder = run.build / "litex"
     python = folder / "bin" / "python"
     stamp = folder / f".litex-{RELEASE}"
@@ -42,7 +43,7 @@ def environment(run: Run) -> Path:
 
 
 def compare(run: Run, words: int, rounds: int, count: int, protocol: str = "classic") -> Comparison:
-    """Time reads of `words` words (0: the single read) on both sides, in turns."""
+    """Time reads of `words` words on both sides, in turns. With 0 it is the single read."""
     from unitylink import connect
 
     python = environment(run)
@@ -57,9 +58,7 @@ def compare(run: Run, words: int, rounds: int, count: int, protocol: str = "clas
         addresses = list(range(ADDRESS, ADDRESS + words))
 
         def block() -> list[int]:
-            values: list[int] = link.read_many(
-                addresses
-            ).tolist()  # what LiteX gives: a list of whole numbers
+            values: list[int] = link.read_many(addresses).tolist()  # LiteX returns a list of whole numbers
             return values
 
         if words and block() != [FIRST_VALUE + address for address in addresses]:

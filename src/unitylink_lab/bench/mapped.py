@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mapped memory: a read through layer 4 from Python where the registers are memory (`mmap:`)."""
+"""Mapped memory: a read through layer 4 from Python, where the registers are memory (`mmap:`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BYTES = 4096
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure, on a file of shared memory: a real bus adds its own time."""
+    """Measure the figure on a file of shared memory. A real bus adds its own time."""
     from unitylink import connect
 
     with tempfile.NamedTemporaryFile(prefix="unitylink-bench-") as file:

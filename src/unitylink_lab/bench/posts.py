@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Posts: the share of the line's bytes that they use, on a twin with a simulated line, over TCP."""
+"""Posts: the share of the line's capacity that they use, on a twin with a simulated line, over TCP."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ POST_BYTES = frame_bytes(8)  # post, address, word
 
 
 def measure(run: Run) -> Figure:
-    """Measure the bytes of posted writes against those the line can carry."""
+    """Measure the bytes of posted writes as a share of those that the line can carry."""
     from unitylink import connect
 
     count = 2_000 if run.quick else 60_000

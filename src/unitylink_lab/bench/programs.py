@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The other processes of the bench (native programs, the twin, LiteX's client), driven by lines on pipes."""
+"""The other processes of the bench: native programs, the twin, LiteX's client.
+
+Lines on pipes control them.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +22,15 @@ from unitylink.protocol import FRAME_CRC16_BYTES
 
 from .figure import BenchError
 
-PATIENCE_S = 60.0  # for one answer; every series is far shorter
-_MADE_S = 600.0  # for what is made once: it may compile, or ask a package index
-_END_S = 5.0  # for a process that was told to end
-_LAST_LINES = 6  # of what a process writes on stderr are kept
+PATIENCE_S = 60.0  # longest wait for one answer; every series is far shorter
+_MADE_S = 600.0  # longest wait for what is made once: it may compile, or ask a package index
+_END_S = 5.0  # longest wait for the end of a process
+_LAST_LINES = 6  # number of lines of stderr that are kept
 _LINE_CHARACTERS = 300
 
 
 def find_checkout() -> Path:
-    """Return the source checkout this library runs from: an installed wheel has no bench programs."""
+    """Return the source checkout from which this library runs. An installed wheel has no bench programs."""
     for folder in (*Path(__file__).resolve().parents, Path.cwd()):
         if (folder / "bench" / "native").is_dir() and (folder / "CMakeLists.txt").is_file():
             return folder
@@ -44,7 +47,7 @@ def native(checkout: Path, name: str) -> Path:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[Path]:
-    """Lock `folder`, because two runs must not make the same thing in it at once."""
+    """Lock `folder`, so that no two runs make the same thing in it at the same time."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -52,9 +55,9 @@ def alone(folder: Path) -> Iterator[Path]:
 
 
 def made(command: Sequence[str | Path], environment: Mapping[str, str] | None = None) -> str:
-    """Run a program that makes something. Return what it printed.
+    """Run a program that makes something, and wait until it ends. Return its output.
 
-    Raises BenchError if it fails, or does not end.
+    Raises BenchError if it fails or does not end.
     """
     told = " ".join(map(str, command))
     try:
@@ -69,7 +72,8 @@ def made(command: Sequence[str | Path], environment: Mapping[str, str] | None = 
 
 
 def frame_bytes(payload: int) -> int:
-    """Return the bytes of a frame with a payload shorter than 254 bytes: kind, COBS, check, delimiter.
+    """Return the length in bytes of a frame with a payload shorter than 254 bytes: kind, COBS, check,
+    delimiter.
 
     >>> frame_bytes(8)  # a post
     14
@@ -82,7 +86,7 @@ class Silence(BenchError):
 
 
 class Process:
-    """A process that answers lines with lines. It ends when its standard input does.
+    """A process that answers each line with a line. It ends when its standard input is closed.
 
     >>> with Process(["cat"]) as cat:
     ...     cat.ask("1 2")
@@ -107,7 +111,10 @@ class Process:
         self._listener.start()
 
     def _listen(self) -> None:
-        """Keep the last lines of stderr. If nobody read it, the process would stop at a full pipe."""
+        """Keep the last lines of stderr.
+
+        If nobody read them, the pipe would fill and the process would stop.
+        """
         assert self._process.stderr is not None
         with self._process.stderr as stderr:
             while line := stderr.readline(_LINE_CHARACTERS):
@@ -115,7 +122,7 @@ class Process:
                     self._said.append(line.rstrip())
 
     def line(self, patience_s: float = PATIENCE_S) -> str:
-        """Return the next line that the process prints. Silence after `patience_s`."""
+        """Return the next line that the process prints. Raises Silence if none comes within `patience_s`."""
         assert self._process.stdout is not None
         ready, _, _ = select.select([self._process.stdout], [], [], patience_s)
         if not ready:
@@ -127,7 +134,7 @@ class Process:
         return text.strip()
 
     def ask(self, text: str, patience_s: float = PATIENCE_S) -> str:
-        """Send a line, return the answer."""
+        """Send a line and return the answer."""
         assert self._process.stdin is not None
         try:
             self._process.stdin.write(text + "\n")
@@ -137,7 +144,7 @@ class Process:
         return self.line(patience_s)
 
     def series(self, text: str) -> list[int]:
-        """Send a line, return the answer's whole numbers."""
+        """Send a line and return the whole numbers of the answer."""
         return [int(word) for word in self.ask(text).split()]
 
     def close(self) -> None:
@@ -145,14 +152,14 @@ class Process:
         process = self._process
         for pipe in (process.stdin, process.stdout):
             if pipe is not None:
-                with suppress(BrokenPipeError):  # it has ended already, as wanted
+                with suppress(BrokenPipeError):  # the process has already ended, as wanted
                     pipe.close()
         try:
             process.wait(timeout=_END_S)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        self._listener.join(_END_S)  # longer only where a child of its own has the pipe, too
+        self._listener.join(_END_S)  # this takes long only if a child of the process also has the pipe
 
     def __enter__(self) -> Process:
         return self
@@ -175,9 +182,9 @@ class Process:
 
 
 def twin(endpoint: str, **configuration: int) -> Process:
-    """Start the twin in a process of its own. Its first line is the URL to connect to.
+    """Start the twin in a process of its own. Its first line of output is the URL to connect to.
 
-    `configuration` are fields of `BoardConfiguration`. Addresses have 16 bits, as those of a TosNet board.
+    `configuration` are fields of `BoardConfiguration`. Addresses have 16 bits, as on a TosNet board.
     """
     options = {"address_bits": 16, **configuration}
     return Process([sys.executable, "-m", "unitylink_lab.bench.board", endpoint, json.dumps(options)])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Publishes: the cost of decoding, checking and draining a stream, and the rate of callbacks.
 
-The source is another process and numbers every message, so that a lost or doubled one cannot hide.
+The source is another process. It numbers every message, so a lost or doubled one is noticed.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
 
     from unitylink.layer2_message import Subscription
 
-MESSAGE_BYTES = 21  # &PUB:ggnnxxxxxxxx*hh and the line feed
+MESSAGE_BYTES = 21  # the bytes of &PUB:ggnnxxxxxxxx*hh and the line feed
 PUBLISH_HEAD_BYTES = 7  # group, sequence, clock
-SELDOM = 1 << 30  # ticks between its own publishes: so many that the twin sends none
+SELDOM = 1 << 30  # divisor of the twin's own publishes, so large that it sends none
 DRAIN_S = 0.02
 RING = 1 << 16
 FLOOD_PER_SECOND = 1_000_000
 PACED_PER_SECOND = 525_000
-PTY_BAUD = 100_000_000  # the nominal rate of a pty for which the stream fits
+PTY_BAUD = 100_000_000  # nominal rate of a pty that is fast enough for the stream
 
 
 @dataclass(frozen=True)
 class Source:
-    """A stream: its rate, and the words of a message. A classic one has lines of one word."""
+    """A stream: its rate, and the words of a message. A classic stream has lines of one word."""
 
     bits_per_second: int
     words: int = 1
@@ -57,7 +57,7 @@ class Stream:
     """The measurements of a stream, window by window."""
 
     cpu_percent: float  # of one core, user and system, all threads; median of the windows
-    mbit_per_second: float  # of messages that arrived
+    mbit_per_second: float  # counts the messages that arrived
     messages: int
     missing: int
 
@@ -83,7 +83,7 @@ def subscription(run: Run, endpoint: str, stream_of: Source) -> Iterator[Subscri
 
 
 def watch(run: Run, endpoint: str, source: Source) -> Stream:
-    """Drain a paced stream for some seconds and account for every message and word."""
+    """Drain a stream of a fixed rate for some seconds, and account for every message and word."""
     windows = run.rounds(5)
     window_s = 1.0 if not run.quick else 0.2
     drained: list[npt.NDArray[np.uint32]] = []
@@ -156,7 +156,7 @@ def measure_frames(run: Run) -> Figure:
 
 
 class Counter:
-    """A callback that counts and notices gaps."""
+    """A callback that counts its calls and notices gaps."""
 
     def __init__(self) -> None:
         self.calls = 0
@@ -164,7 +164,7 @@ class Counter:
         self.next = -1
 
     def __call__(self, time_s: float, values: tuple[int, ...]) -> None:
-        """Take one publish."""
+        """Count one publish."""
         number = values[0]
         if number != self.next and self.next >= 0:
             self.missing += abs(number - self.next)
@@ -173,11 +173,12 @@ class Counter:
 
 
 def count_callbacks(run: Run, per_second: int) -> tuple[float, Counter]:
-    """Return callbacks per second and the callback, for a stream of a given rate."""
+    """Return the callbacks per second and the callback, for a stream of `per_second` messages a second."""
     counter = Counter()
     with subscription(run, "tcp", Source(per_second * MESSAGE_BYTES * 8)) as stream:
         stream.on_publish(counter)
-        time.sleep(0.1 if run.quick else 0.5)  # the ring's earlier backlog is not a sustained rate
+        # let the backlog in the ring drain first, because it would count as a higher rate
+        time.sleep(0.1 if run.quick else 0.5)
         calls, start = counter.calls, time.perf_counter()
         time.sleep(0.3 if run.quick else 3.0)
         rate = (counter.calls - calls) / (time.perf_counter() - start)
@@ -185,10 +186,10 @@ def count_callbacks(run: Run, per_second: int) -> tuple[float, Counter]:
 
 
 def measure_callbacks(run: Run) -> Figure:
-    """Measure how many Python callbacks a second a stream makes, one for each message.
+    """Measure how many Python callbacks a second a stream makes. Each message makes one.
 
-    The source offers twice the required rate. The link skips what it cannot call back for. At a little more
-    than the required rate it must skip nothing.
+    The source offers twice the required rate. The link skips messages for which it has no time to call back.
+    At a little more than the required rate, it must skip none.
     """
     rate, flooded = count_callbacks(run, FLOOD_PER_SECOND)
     paced_rate, paced = count_callbacks(run, PACED_PER_SECOND)

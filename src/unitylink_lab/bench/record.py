@@ -16,12 +16,12 @@ from .programs import twin
 
 JOINTS = 18
 RATE_HZ = 1000
-SHORT_S = 1.0  # the recording whose cost is taken off, with that of starting
-_SHARE = 0.99  # of the samples that must be there
+SHORT_S = 1.0  # the length of the short recording, which holds the cost of starting
+_SHARE = 0.99  # the share of the samples that must be recorded
 
 
 def spec() -> str:
-    """Return the joints of a walker, all published at once at the base rate."""
+    """Return a spec with the joints of a walker, all published together at the base rate."""
     joints = "".join(
         f'   @j{n} = {n:#x}: signed READ(ID="joint {n}", PUBLISH(1, 1));\n' for n in range(JOINTS)
     )
@@ -34,7 +34,7 @@ def _cpu_s() -> float:
 
 
 def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str, Any]]:
-    """Record for so long. Return the processor time of that process in s, and its output."""
+    """Record for `duration_s`. Return the processor time of the recording process in s, and its output."""
     command = [
         sys.executable,
         "-m",
@@ -54,7 +54,7 @@ def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str,
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure: a long recording less a short one, over the time between them."""
+    """Measure the figure: the cost of a long recording less that of a short one, over the difference in time."""
     long_s = SHORT_S + (2.0 if run.quick else 20.0)
     with tempfile.TemporaryDirectory() as name, twin("tcp") as board:
         folder = Path(name)

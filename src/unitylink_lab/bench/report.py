@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All figures of one run: shown as a table, saved as JSON."""
+"""All figures of one run, shown as a table and saved as JSON."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def machine() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Report:
-    """The figures of a run, why others could not be measured, and the machine."""
+    """The figures of a run, the reasons why others could not be measured, and the machine."""
 
     figures: tuple[Figure, ...]
     failures: Mapping[str, str] = field(default_factory=dict)
@@ -80,7 +80,7 @@ class Report:
         return "\n".join(lines)
 
     def to_json(self) -> dict[str, object]:
-        """Return the report as JSON has it."""
+        """Return the report for JSON."""
         return {
             "machine": self.machine,
             "quick": self.quick,
@@ -90,11 +90,11 @@ class Report:
         }
 
     def write(self, path: Path) -> None:
-        """Save the report as JSON, whole or not at all."""
+        """Save the report as JSON. The file is either whole or not written at all."""
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(path, json.dumps(self.to_json(), indent=2) + "\n")
 
 
 def say(message: str) -> None:
-    """Tell on stderr how far the run is."""
+    """Print a line of progress on stderr."""
     print(message, file=sys.stderr, flush=True)

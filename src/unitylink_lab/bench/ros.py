@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Topics of ROS 1 and of ROS 2 on DDS, against a bare publisher or subscriber in the same run."""
+"""Topics of ROS 1, and of ROS 2 on DDS, against a bare publisher or subscriber in the same run."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ LOOPBACK = (
 
 
 def free_domain() -> int:
-    """Return a DDS domain in which nobody on this machine takes part.
+    """Return a DDS domain that no other program on this machine uses.
 
-    A participant listens on UDP port 7410 + 250 * domain, or on the next even one: RTPS 2.5, 9.6.2.3.
-    The domains from 102 on have ports that Linux also gives to other programs.
+    A participant listens on UDP port 7410 + 250 * domain, or on the next even one: RTPS 2.5, 9.6.2.3. In the
+    domains from 102 on, Linux may have given that port to another program.
     """
     for domain in random.sample(range(1, 102), 101):
         with ExitStack() as stack:
@@ -48,7 +48,7 @@ def folder_of(run: Run) -> Path:
 
 
 def _environment(run: Run) -> str:
-    """Return the Python that has rospy and this checkout. Make it the first time."""
+    """Return the Python interpreter that has rospy and this checkout. Install it the first time."""
     with alone(folder_of(run)) as folder:
         python = folder / "env" / "bin" / "python3"
         stamp = folder / "env" / ".made"
@@ -63,7 +63,10 @@ def _environment(run: Run) -> str:
 
 @contextmanager
 def plane(run: Run, name: str) -> Iterator[list[str]]:
-    """Make the surroundings of a plane. Yield the first words of the workers' command."""
+    """Start what a plane (`ros1` or `dds`) needs around it.
+
+    Yield the first words of the workers' command.
+    """
     if name == "dds":
         os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(free_domain())}
         yield [sys.executable, "-m", WORKER, name]
@@ -79,21 +82,24 @@ def plane(run: Run, name: str) -> Iterator[list[str]]:
     try:
         yield [python, "-m", WORKER, name]
     finally:
-        master.kill()  # it has nothing to keep
+        master.kill()  # there is nothing that it must save
         master.wait()
 
 
 def rate(
     run: Run, command: list[str], giver: str, taker: str, other: Process | None = None
 ) -> tuple[list[float], float]:
-    """Return messages a second that the taker (and `other`, right after) counted, and its share of a core."""
+    """Return the messages a second that the taker counted, and its share of a core.
+
+    `other` is counted right after.
+    """
     window_s = 0.3 if run.quick else 1.0
     with ExitStack() as stack:
         counting = stack.enter_context(Process([*command, taker]))
         counting.line()
         giving = stack.enter_context(Process([*command, giver]))
         giving.line()
-        for _ in range(100):  # until they have found each other
+        for _ in range(100):  # until publisher and subscriber have found each other
             if int(counting.ask("0.1").split()[0]) > 10:
                 break
         else:
@@ -109,7 +115,7 @@ def rate(
 
 
 def compared(name: str, title: str, limit: float, reached: list[float], ceilings: list[float]) -> Figure:
-    """Return the figure of a node's rates and of the bare ones, measured by turns."""
+    """Return the figure of a node's rates against the bare ones."""
     ratios = sorted(one / other for one, other in zip(reached, ceilings, strict=True))
     details = {
         "node messages/s": median(reached),
@@ -123,7 +129,10 @@ def compared(name: str, title: str, limit: float, reached: list[float], ceilings
 def _compare(
     run: Run, name: str, *, title: str, which: str, bare: tuple[str, str], ours: tuple[str, str]
 ) -> Figure:
-    """Measure in turns, so that other work of the machine hits both. The order changes."""
+    """Measure both sides in turns, so that other work of the machine slows down both.
+
+    The order changes from round to round.
+    """
     rates: dict[tuple[str, str], list[float]] = {bare: [], ours: []}
     with plane(run, which) as command:
         for number in range(run.rounds(5)):
@@ -142,7 +151,10 @@ def measure_ros1_out(run: Run) -> Figure:
 
 
 def measure_ros1_in(run: Run) -> Figure:
-    """Measure ROS 1 -> FPGA: writes that the board has answered, of values that differ each time."""
+    """Measure ROS 1 -> FPGA: the writes that the board has answered.
+
+    Each value differs from the one before.
+    """
     title = "rospy topic of an integer -> FPGA, over a bare subscriber"
     return _compare(
         run, "ros1-in", title=title, which="ros1", bare=("source", "bare-in"), ours=("source", "node-in")
@@ -158,7 +170,7 @@ def measure_dds_out(run: Run) -> Figure:
 
 
 def measure_dds_in(run: Run) -> Figure:
-    """Measure ROS 2 on DDS -> FPGA: writes that the board has answered."""
+    """Measure ROS 2 on DDS -> FPGA: the writes that the board has answered."""
     title = "DDS topic of an integer -> FPGA, over a bare reader"
     return _compare(
         run, "dds-in", title=title, which="dds", bare=("source", "bare-in"), ours=("source", "node-in")
@@ -170,7 +182,7 @@ def delay_us(run: Run, command: list[str], giver: str) -> float:
     with Process([*command, "pong"]) as taking, Process([*command, giver]) as giving:
         taking.line()
         giving.line()
-        for _ in range(100):  # until they have found each other
+        for _ in range(100):  # until publisher and subscriber have found each other
             count, *_ = taking.ask("0.1").split()
             if int(count) > 20:
                 return float(taking.ask("0.3" if run.quick else "1.5").split()[3])
@@ -190,7 +202,7 @@ def _added(run: Run, name: str, title: str, which: str) -> Figure:
 
 
 def measure_ros1_delay(run: Run) -> Figure:
-    """Measure by how much later than from a bare publisher an event of the FPGA arrives."""
+    """Measure how much later an event of the FPGA arrives than a message of a bare publisher."""
     return _added(run, "ros1-delay", "FPGA -> rospy, later than from a bare publisher, median", "ros1")
 
 
@@ -200,7 +212,7 @@ def measure_dds_delay(run: Run) -> Figure:
 
 
 def measure_joints(run: Run) -> Figure:
-    """Measure 18 joints at 1 kHz both ways on DDS: the node's share of a core, twin and all."""
+    """Measure 18 joints at 1 kHz both ways on DDS: the share of a core that the node takes, with its twin."""
     with plane(run, "dds") as command, Process([*command, "joints-sink"]) as sink:
         sink.line()
         commands, share = rate(run, command, "joints-source", "joints", sink)

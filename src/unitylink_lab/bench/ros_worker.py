@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One end of a ROS figure, a process: `python -m unitylink_lab.bench.ros_worker PLANE ROLE`.
+"""One end of a ROS figure, in a process of its own: `python -m unitylink_lab.bench.ros_worker PLANE ROLE`.
 
-PLANE is ros1 or dds. A line on standard input asks for a window of so many seconds; the answer is what was
-counted in it: "COUNT SECONDS CPU_SECONDS"; of a node that takes commands, the writes that its board has
-answered. `bare-out` and `source` publish as fast as they can,
-`joints-source` 1000 a second, all the time; `node-out`, `node-in` and `joints` are nodes, the twin in their
-process. `bare-ping` publishes what time it is 500 times a second, in `node-ping` the gateware does, in whose
-thread the time is taken: `pong` answers with the median delay in us, too.
+PLANE is ros1 or dds. A line on standard input is a number of seconds. The worker counts for so long and
+answers "COUNT SECONDS CPU_SECONDS". A node that takes commands counts the writes that its board has answered.
+The roles: `bare-out` and `source` publish as fast as they can. `joints-source` publishes 1000 times a second,
+all the time. `node-out`, `node-in` and `joints` are nodes with the twin in their process. `bare-ping`
+publishes the current time 500 times a second. In `node-ping` the gateware does this, and its thread takes the
+time. `pong` receives these, and answers with the median delay in us, too.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from unitylink.simulate import Board, BoardConfiguration, Plant, Registers
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
-BASE_HZ = {"ros1": 40_000, "dds": 200_000}  # more than the plane takes, on a busy machine too
+BASE_HZ = {"ros1": 40_000, "dds": 200_000}  # more than the plane can take, even on an idle machine
 OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # no message is dropped
 IN = Topic("in", "std_msgs/Int32", "scalar", ("in",))
 WORDS = """public bench() {
@@ -43,14 +43,14 @@ joint(): @ (p,s) { @p: i16 READ(UNIT="rad", SCALE=0.001, PUBLISH(1,1));
 
 
 def spec_of(text: str) -> Spec:
-    """Return a spec of the bench."""
+    """Compile a spec of the bench."""
     found = compile_text(text, "bench.ul").spec
     assert found is not None
     return found
 
 
 def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
-    """Return a front end."""
+    """Return a front end to ROS 1 or DDS."""
     if name == "ros1":
         os.environ["ROS_NAMESPACE"] = "/bench"
         from unitylink.ros.ros1 import RospyPlane
@@ -61,7 +61,7 @@ def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
     from unitylink.ros.dds import DdsPlane, Matched
 
     class Bare(DdsPlane):
-        """As a program has it that uses cyclonedds alone: its DataWriter's `write` for each message."""
+        """A program that uses cyclonedds alone: it calls its DataWriter's `write` for each message."""
 
         def advertise(self, topic: Topic) -> Port:
             name = f"rt/{self.name(topic.name)}"
@@ -72,7 +72,7 @@ def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
 
 
 class Ping:
-    """A plant with a clock, which makes an event each time it has set it."""
+    """A plant that writes the time into a register at each step, and then makes an event."""
 
     period_s = PING_S
 
@@ -100,17 +100,18 @@ def node(plane: Any, spec: Spec, base_hz: int, plant: Plant | None = None) -> Ro
 
 
 def now_us() -> int:
-    """Return the time by a clock that all processes share, as a word."""
+    """Return a word with the time of a clock that all processes share."""
     return time.monotonic_ns() // 1000 & 0xFFFFFFFF
 
 
 def every(period_s: float, act: Callable[[], None]) -> None:
-    """Do something again and again, in a thread of its own."""
+    """Call `act` once every `period_s`, in a thread of its own."""
 
     def run() -> None:
         due = time.perf_counter()
         while True:
-            due = max(due + period_s, time.perf_counter() - 0.1)  # what a long gap missed is lost
+            # after a long gap, the calls that were missed are left out
+            due = max(due + period_s, time.perf_counter() - 0.1)
             time.sleep(max(0.0, due - time.perf_counter()))
             act()
 
@@ -118,9 +119,9 @@ def every(period_s: float, act: Callable[[], None]) -> None:
 
 
 def main() -> None:
-    """Serve a role."""
+    """Play the role that the command line names."""
     answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy logs to stdout
+    os.dup2(2, 1)  # rospy logs to stdout, where the answers go
     name, role = sys.argv[1:3]
     joints = role.startswith("joints")
     timed = role in ("bare-ping", "node-ping", "pong")
@@ -163,12 +164,12 @@ def main() -> None:
     elif role == "sink":
         plane.subscribe(OUT, count, depth=4096)
     elif role == "bare-in":
-        plane.subscribe(IN, count)  # as deep as the node's
+        plane.subscribe(IN, count)  # its queue is as deep as the node's
     elif role == "joints-sink":
         plane.subscribe(interface.published[-1], count, depth=4096)
     else:
         made = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
-        if role != "node-out":  # of which is counted what it sends
+        if role != "node-out":  # of `node-out` we count what it sends
             read = lambda: int(made.health().facts["writes"])  # noqa: E731
     if name == "dds":
         plane.start()

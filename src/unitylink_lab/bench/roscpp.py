@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The generated node in C++, against a bare publisher of roscpp, at the same subscriber."""
+"""The generated node in C++, against a bare publisher of roscpp, with the same subscriber."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .programs import Process, alone, made
 from .ros import compared, folder_of, plane
 from .ros_worker import WORDS, spec_of
 
-OFFERED_HZ = 200_000  # to both; more than roscpp takes
+OFFERED_HZ = 200_000  # offered to both sides; more than roscpp can take
 TOPIC = "/bench/out"
 
 
@@ -34,7 +34,10 @@ def _make(*command: str | Path) -> None:
 
 
 def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
-    """Return the generated node and the bare peer, compiled. Existing files are not made again."""
+    """Compile the generated node and the bare peer, and return their paths.
+
+    Existing files are not made again.
+    """
     folder = folder_of(run) / "workspace"
     prefix, peer = folder / "unitylink", folder / "ros_peer"
     with alone(folder):
@@ -62,7 +65,7 @@ def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
 
 
 def _arriving(run: Run, peer: Path) -> float:
-    """Return the messages a second at a bare subscriber."""
+    """Return the messages a second that arrive at a bare subscriber."""
     with Process([peer, "sub", TOPIC]) as taking:
         taking.line()
         for _ in range(100):

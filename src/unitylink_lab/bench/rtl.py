@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pace of the compiled gateware: clocks a second of the SCARA's design, as it answers and publishes."""
+"""The speed of the compiled gateware: simulated clocks a second of the SCARA's design, while it answers and
+publishes.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,11 @@ from .figure import Figure, Run
 
 SECONDS = 5.0
 SECONDS_QUICK = 0.3
-CLOCK_HZ = 1_000_000_000  # more than any machine does: the board runs as fast as it can
+CLOCK_HZ = 1_000_000_000  # more than any machine simulates, so the board runs as fast as it can
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure. The first time the design is compiled."""
+    """Measure the figure. The first run compiles the design."""
     from unitylink import _native
     from unitylink.layer2_message import Link
     from unitylink.simulate.rtl import build_model, design_of, rtl_configuration
@@ -28,7 +30,8 @@ def measure(run: Run) -> Figure:
     try:
         with Link(f"{board.url()}?timeout=5") as link:
             addresses = [element.address for _, element in spec.walk() if element.access == "READ"]
-            subscription = link.subscribe(addresses, divisor=1)  # at every strobe: 1,000 clocks apart
+            # a publish at every strobe; strobes are 1,000 clocks apart
+            subscription = link.subscribe(addresses, divisor=1)
             began_s, clocks, reads = time.perf_counter(), board.time_s() * CLOCK_HZ, 0
             worked_s = time.process_time()
             while (took_s := time.perf_counter() - began_s) < (SECONDS_QUICK if run.quick else SECONDS):

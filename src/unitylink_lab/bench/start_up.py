@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start-up: the command line as a user runs it, a new process each time."""
+"""Start-up: the command line as a user runs it, in a new process each time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STATEMENTS = 10_000
 
 
 def flat_spec(statements: int) -> str:
-    """Return a spec of so many READs and WRITEs, one after another."""
+    """Return a spec of `statements` READs and WRITEs in turns."""
     lines = ["link flat;", "public flat() {"]
     for index in range(statements):
         kind = ("READ", "signed READ", "WRITE", "signed WRITE")[index % 4]
@@ -67,7 +67,9 @@ def measure_check(run: Run) -> Figure:
 
 
 def measure_import(run: Run) -> Figure:
-    """Measure a Python that imports the library and ends, and one that imports the parts that open a link."""
+    """Measure two Python processes: one imports the library and ends, the other also imports what opens a
+    link.
+    """
 
     def python(code: str) -> float:
         def call() -> None:

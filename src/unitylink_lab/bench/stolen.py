@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stolen time: the virtual machine was ready to run, but its host ran others."""
+"""Stolen time: the time in which the virtual machine was ready to run, but its host ran other machines."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-_STOLEN = 7  # user nice system idle iowait irq softirq steal: proc(5), in ticks since the start of the system
+_STOLEN = 7  # the columns of proc(5) are: user nice system idle iowait irq softirq steal
 _STAT = Path("/proc/stat")
 
 
@@ -19,7 +19,7 @@ class ProcessorTime:
 
     @classmethod
     def read(cls, stat: Path = _STAT) -> ProcessorTime | None:
-        """Read the counters; None where the system has none."""
+        """Read the counters. The result is None if the system has none."""
         try:
             ticks = [int(text) for text in stat.read_text().splitlines()[0].split()[1:9]]
         except (OSError, ValueError, IndexError):
@@ -27,7 +27,7 @@ class ProcessorTime:
         return cls(sum(ticks), ticks[_STOLEN]) if len(ticks) > _STOLEN else None
 
     def stolen_percent(self, since: ProcessorTime) -> float:
-        """Return the share of the time since then that the host took.
+        """Return the share of the time since `since` that the host took away.
 
         >>> ProcessorTime(300, 25).stolen_percent(since=ProcessorTime(100, 5))
         10.0

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trace: the cost of `?trace=FILE` for a reader. Links with and without it take turns on one board.
+"""Trace: how much `?trace=FILE` costs a reader. Links with and without it take turns on one board.
 
-Two boards would not do, because the placement of their processes makes more difference than the trace.
+Both use one board, because with two boards the placement of their processes makes more difference than the
+trace.
 """
 
 from __future__ import annotations

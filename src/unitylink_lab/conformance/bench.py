@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bench of the recordings, around the twin: its generics, its steps, and when two responses are equal."""
+"""The bench of the recordings, around the twin: its generics, its steps, and the rules that compare two
+responses.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
     from unitylink._native import Device
     from unitylink.simulate import BoardConfiguration
 
-# The recordings' names of the generics, and their defaults.
+# The names of the generics in the recordings, and their defaults.
 _DEFAULTS = {
     "AW": 8,
     "DW": 32,
@@ -30,20 +32,20 @@ _DEFAULTS = {
 }
 RULES = ("exact", "rate", "any_count")
 STEPS = ("send", "wait", "quiet", "events", "rx_error")
-CLOCKS_MOST = 10_000_000  # of one step: a recording that waits longer is a mistake
+CLOCKS_MOST = 10_000_000  # limit of one step: a recording that waits longer is a mistake
 
 
-# Takes the generics of a run and the steps of its exchanges, does them in order from reset, and returns the
-# bytes sent during each exchange.
+# A player takes the generics of a run and the steps of its exchanges. It does them in order from reset. It
+# returns the bytes that the device sent during each exchange.
 Player = Callable[["BoardConfiguration", Sequence[Sequence[tuple[str, Any]]]], list[bytes]]
 
 
 class RecordingError(UnityLinkError):
-    """A file that is not one of recorded exchanges. The message names the place in it."""
+    """The file does not hold recorded exchanges. The message names the place in the file."""
 
 
 def bench(generics: dict[str, Any], place: str = "config") -> BoardConfiguration:
-    """Return the bench of the recordings with `generics` in their names (AW, DW, FREQ …)."""
+    """Return the bench of the recordings. `generics` has the names of the recordings (AW, DW, FREQ …)."""
     from unitylink.simulate import BoardConfiguration
 
     unknown = sorted(set(generics) - set(_DEFAULTS)) if isinstance(generics, dict) else ["(not an object)"]
@@ -114,7 +116,7 @@ def run_step(device: Device, kind: str, argument: Any) -> bytes:
 
 
 def same(rule: str, expected: str, got: str) -> bool:
-    """Compare two responses as a recording's `compare` rule says.
+    """Compare two responses by the `compare` rule of a recording.
 
     >>> same("rate", "#S_EPS\\n%PUB:00\\n", "#S_EPS\\n%PUB:00\\n%PUB:00\\n")
     True

@@ -15,10 +15,10 @@ from unitylink.commands.output import json_option, print_json
 def command(file: str, rtl: bool, as_json: bool) -> int:
     """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
 
-    Required exchanges must be equal byte for byte (as far as each one's `compare` rule says). Known defects
-    of the 2012 gateware, the first that was published, must be answered correctly instead. Optional ones are
-    only reported. The last line is the result, `N passed, 0 failed`. The exit code is 1 if an exchange failed
-    or a defect was answered wrongly.
+    Required exchanges must be equal byte for byte, as far as the `compare` rule of each one asks. Where the
+    2012 gateware, the first that was published, has a known defect, the correct answer is required instead.
+    Optional ones are only reported. The last line is the result, `N passed, 0 failed`. The exit code is 1 if
+    an exchange failed or a defect was answered wrongly.
 
     \b
     Examples:

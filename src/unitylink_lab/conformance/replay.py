@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Replays recorded exchanges of the 2012 gateware against the twin, or gateware, on the device clock."""
+"""Replay recorded exchanges of the 2012 gateware against the twin or gateware, on the device's clock."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ _STATUSES = ("required", "defect", "optional")
 
 @dataclass(frozen=True)
 class Exchange:
-    """One exchange and its result. `expected` is right, `recorded` is what the 2012 gateware sent."""
+    """One exchange and its result.
+
+    `expected` is the right response. `recorded` is what the 2012 gateware sent.
+    """
 
     run: int
     name: str
@@ -51,14 +54,14 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether all required exchanges are equal and all defects are answered rightly."""
+        """Whether all required exchanges are equal and all defects are answered correctly."""
         return self.failed == 0 and self.count("defect", False) == 0
 
 
 def replay(path: str | Path, player: Player = play_on_twin) -> Report:
-    """Replay every run of the recordings in `path` from reset, and return the results of `player`.
+    """Let `player` replay every run of the recordings in `path` from reset, and return the results.
 
-    Raises RecordingError when the file cannot be read or is not a set of recordings.
+    Raises RecordingError if the file cannot be read or does not hold recordings.
     """
     document = _load(Path(path))
     right = json.loads((files(__package__) / "right.json").read_text(encoding="utf-8"))
@@ -153,7 +156,7 @@ def _check(exchange: Any, where: str) -> None:
 
 
 def render(report: Report) -> None:
-    """Print a table of the runs, the differences, and the result in the last line."""
+    """Print a table of the runs, then the differences. The last line is the result."""
     from rich.console import Console
 
     from unitylink.commands.output import print_table

@@ -16,20 +16,22 @@ if TYPE_CHECKING:
     from unitylink.simulate import BoardConfiguration
 
 
-# Of steps in the bench's file, where it is not the first: that is `reset`.
+# The letter of a step in the bench's file. It is the first letter of its name, except here: `r` is `reset`.
 LETTERS = {"rx_error": "x", "deaf": "d", "dead": "k"}
 
 
 class Simulator(Protocol):
-    """Runs a bench: `unitylink.gateware.Ghdl`, or one of a test."""
+    """What runs a bench: `unitylink.gateware.Ghdl`, or a stand-in of a test."""
 
     def run(self, bench: str, **generics: int | str | bool) -> str: ...
 
 
 class RtlPlayer:
-    """Plays steps to the core in GHDL, as bench.play_on_twin does to the twin.
+    """A player that gives the steps to the core in GHDL, as `play_on_twin` in bench.py gives them to the
+    twin.
 
-    `times` holds (kind, clock, byte or address or -1) of the last run; the kinds: head of replay_tb.vhd.
+    `times` holds (kind, clock, byte or address or -1) for the last run. The head of replay_tb.vhd explains
+    the kinds.
     """
 
     def __init__(self, ghdl: Simulator, folder: Path) -> None:
@@ -42,10 +44,13 @@ class RtlPlayer:
         self,
         configuration: BoardConfiguration,
         exchanges: Sequence[Sequence[tuple[str, Any]]],
-        /,  # the bench has a generic of that name, too
+        /,  # positional only, because the bench has a generic of that name, too
         **generics: int | str | bool,
     ) -> list[bytes]:
-        """Do the exchanges in order from reset. Return the bytes sent during each one. Raises ToolError."""
+        """Do the exchanges in order from reset.
+
+        Return the bytes that the core sent during each one. Raises ToolError.
+        """
         self.runs += 1
         steps_file = self.folder / f"steps_{self.runs}.txt"
         answers_file = self.folder / f"answers_{self.runs}.txt"
@@ -76,7 +81,7 @@ class RtlPlayer:
         return [b"".join(next(parts) for _ in exchange) for exchange in exchanges]
 
     def _sent(self, answers_file: Path) -> list[bytes]:
-        """Return the bytes sent in each step, and last those behind all of them."""
+        """Return the bytes sent in each step. The last entry holds those sent after all steps."""
         sent: list[bytes] = [b""]
         self.times = []
         for line in answers_file.read_text(encoding="ascii").splitlines():
@@ -95,7 +100,7 @@ _CLASSIC += ["publish_mode", "configuration_command", "datalink", "checksum", "p
 
 
 def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
-    """Return the generics of the bench. The settings of frames have no part in a replay of text."""
+    """Return the generics of the bench. A replay of text does not use the settings of frames."""
     return {
         **{name: getattr(configuration, name) for name in _CLASSIC},
         "edge_events": sum(1 << group for group in configuration.edge_events),
@@ -105,7 +110,7 @@ def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
 
 @contextmanager
 def rtl_player() -> Iterator[RtlPlayer]:
-    """Give a player on the VHDL of this checkout. Raise ToolError without GHDL, or without the benches."""
+    """Yield a player on the VHDL of this checkout. Raises ToolError if GHDL or the benches are missing."""
     benches = gateware_folder() / "test"
     if not (benches / "replay_tb.vhd").is_file():
         raise ToolError("the benches of the gateware did not come with this installation: use a checkout")

@@ -13,7 +13,10 @@ from .results import PARTS, run_all
 
 
 def write(out: Path, results: dict[str, Any]) -> None:
-    """Write report.md, report.html, the figures and results.json into `out`, from what `run_all` returned."""
+    """Write report.md, report.html, the figures and results.json into `out`.
+
+    `results` is what `run_all` returned.
+    """
     out.mkdir(parents=True, exist_ok=True)
     blocks = report(results)
     files = {

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Suspected causes of differences from the paper, as changes of the model. A true cause changes its cell.
+"""Suspected causes of differences from the paper, each as a change of the model.
 
-A change is made to the whole model, so that it also shows which other cells it makes worse.
+If a suspected cause is true, its change brings the cell to the paper's value.
+
+A change is made to the whole model, so it also shows which other cells get worse.
 """
 
 from __future__ import annotations
@@ -14,9 +16,9 @@ from .software_cost import SoftwareCost
 
 Figures = dict[str, float]
 
-PAPER_BYTE_S = 1.159e-6 / 14  # 14 bytes in the paper's shortest period of a burst of writes
-PAPER_START_S = 18e-6  # 19.9 us from request to effect, less what gateware and link take
-# The rows Unity-SW less Low-level python, without SI; the other costs are not in Table I.
+PAPER_BYTE_S = 1.159e-6 / 14  # the paper's shortest period in a burst of writes has 14 bytes
+PAPER_START_S = 18e-6  # 19.9 us from request to effect, less the time of gateware and link
+# The rows Unity-SW less Low-level python, without SI. Table I does not have the other costs.
 PAPER_STACK = SoftwareCost(
     0.0, 0.0, stack_read_s=98e-6, stack_write_s=87e-6, framed_read_s=0, framed_write_s=0
 )
@@ -24,8 +26,10 @@ PAPER_STACK = SoftwareCost(
 
 @dataclass(frozen=True)
 class Ablation:
-    """One thing that is changed. `words` describes it. `chosen` is the cell of the paper that gives its
-    size."""
+    """One change of the model.
+
+    `words` describes it. `chosen` is the cell of the paper from which its size was taken.
+    """
 
     words: str
     chosen: str = ""
@@ -76,5 +80,5 @@ ABLATIONS: dict[str, Ablation] = {
 
 
 def ablations(cost: SoftwareCost) -> dict[str, Figures]:
-    """Return the figures of every ablation."""
+    """Return the figures of the model with each ablation."""
     return {name: ablation.figures(cost) for name, ablation in ABLATIONS.items()}

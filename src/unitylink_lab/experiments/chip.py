@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The FT232H chip, from the host's side: the bytes that it keeps, and when it sends a packet."""
+"""The FT232H chip, seen from the host: which bytes it keeps, and when it sends a packet."""
 
 from __future__ import annotations
 
 from .link_parameters import LinkParameters
 
-_TOLERANCE_S = 1e-9  # sums of microframes are not exact numbers
+_TOLERANCE_S = 1e-9  # sums of microframe times are rounded, so they are not exact
 
 
 class Chip:
-    """Collects bytes of the board and answers the host's IN tokens. The caller owns the clock.
+    """A chip that collects bytes of the board and answers the host's IN tokens. The caller owns the clock.
 
     >>> from unitylink_lab.experiments.link_parameters import FT245_ASYNC
     >>> chip = Chip(FT245_ASYNC)
@@ -20,20 +20,20 @@ class Chip:
 
     def __init__(self, parameters: LinkParameters) -> None:
         self.parameters = parameters
-        self.held = False  # by send-immediate, until the next IN
+        self.held = False  # send-immediate asks for this, until the next IN token
         self._bytes = bytearray()
         self._event = False
         self._timer_from_s = 0.0
 
     @property
     def room(self) -> int:
-        """How many bytes it takes now."""
+        """How many more bytes the chip can take now."""
         if self.held:
             return 0
         return self.parameters.chip_packets * self.parameters.payload_bytes - len(self._bytes)
 
     def put(self, byte: int, *, ends_message: bool, publish: bool = False) -> None:
-        """Take a byte of the board. The last one of a message may send a packet."""
+        """Take a byte from the board. The last byte of a message may make the chip send a packet."""
         self._bytes.append(byte)
         if byte == self.parameters.event_character:
             self._event = True
@@ -42,7 +42,10 @@ class Chip:
             self.held = True
 
     def poll(self, time_s: float) -> bytes | None:
-        """Return the packet that answers an IN token at `time_s`, without its status. None is a NAK."""
+        """Return the packet that answers an IN token at `time_s`, without its status.
+
+        None stands for a NAK.
+        """
         p = self.parameters
         full = len(self._bytes) >= p.payload_bytes
         expired = time_s - self._timer_from_s >= p.latency_timer_s - _TOLERANCE_S

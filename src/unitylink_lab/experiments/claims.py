@@ -15,7 +15,7 @@ Results = dict[str, Any]
 
 @dataclass(frozen=True)
 class Claim:
-    """`words` stand in the README; `section` is a heading of the report, or a page of the documents."""
+    """`words` stand in the README. `section` is a heading of the report, or a page of the documents."""
 
     words: str
     section: str
@@ -95,5 +95,5 @@ CLAIMS = (
 
 
 def claims(results: Results) -> list[list[str]]:
-    """Return a row for each claim: its words, the figure, and where it is."""
+    """Return a row for each claim: its words, the figure, and the place."""
     return [[" ".join(claim.words.split()), claim.figure(results), claim.section] for claim in CLAIMS]

@@ -33,8 +33,8 @@ def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...]) -
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
     It writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own.
-    So a busy machine changes only the cost of this host's software, which is measured. The clocks of our
-    gateware are those of its VHDL. Compiling it the first time needs GHDL and Verilator.
+    So a busy machine changes only the measured cost of this host's software. The clocks of our gateware are
+    those of its VHDL. They are compiled the first time, which needs GHDL and Verilator.
 
     \b
     Parts: gateware, table-one, links, publishing, peers, scaling, ros, simplicity.

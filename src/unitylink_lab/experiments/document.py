@@ -28,7 +28,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under headers. `caption` describes them."""
+    """A table of rows under headers. `caption` describes them."""
 
     caption: str
     headers: Sequence[str]
@@ -37,7 +37,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """The picture called `name`, a file beside the report."""
+    """A picture. `name` is the file beside the report."""
 
     caption: str
     name: str
@@ -47,7 +47,7 @@ Block = Union[Heading, Paragraph, Code, Table, Figure]
 
 
 def markdown(blocks: Sequence[Block], *, images: str = "") -> str:
-    """Write the blocks as Markdown. The pictures are in `images`.
+    """Write the blocks as Markdown. `images` is the folder of the pictures.
 
     >>> print(markdown([Heading(1, "A"), Table("t", ["x"], [["1"]])]), end="")
     # A

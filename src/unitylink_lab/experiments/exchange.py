@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Requests of both protocols as bytes, and how many bytes answer them."""
+"""Requests of both protocols as bytes, and the lengths of their replies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from unitylink import protocol as p
 from unitylink.layer1_stream import ClassicEncoder
 from unitylink.resources import resource_folder
 
-READ_ADDRESS, WRITE_ADDRESS = 0x10, 0x11  # words of SPEC
+READ_ADDRESS, WRITE_ADDRESS = 0x10, 0x11  # addresses of words in SPEC
 SPEC = """link plain;
 public experiment() {
    @input = 0x10: READ(ID="input");
@@ -21,9 +21,10 @@ public experiment() {
 }
 """
 EPOCH = 0x1234
-_FRAME_BYTES = 6  # of a reply beside its payload of less than 254 bytes: kind, COBS, check, border
-_REPLY_HEAD_BYTES = 4  # id and posts
-_LIST_WORDS = 60  # of one reply of at most 250 bytes of payload
+# bytes of a reply beside its payload, if that has less than 254 bytes: kind, COBS, check, border
+_FRAME_BYTES = 6
+_REPLY_HEAD_BYTES = 4  # the id and the count of posts
+_LIST_WORDS = 60  # the most that fit into a reply of 250 bytes of payload
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def read_many(words: int, *, checked: bool = False) -> Exchange:
 
 
 def write(*, checked: bool = False) -> Exchange:
-    """Return the classic write of one word: its number, from 1."""
+    """Return the classic write of one word. The word is the request's number, from 1."""
     tail = 3 if checked else 0
     encoder = ClassicEncoder(checked=checked)
 
@@ -85,8 +86,7 @@ def _classic(name: str, command: str, data: bytes, reply_bytes: int, checked: bo
 
 @cache
 def plain_client() -> ModuleType:
-    """Return the example that speaks frames with nothing but Python: the bare script of the framed "
-    "protocol."""
+    """Return the example `plain_client`: a bare script that speaks frames with nothing but Python."""
     path = resource_folder("examples") / "plain_client" / "client.py"
     spec = spec_from_file_location("unitylink_plain_client", path)
     assert spec is not None and spec.loader is not None
@@ -111,21 +111,21 @@ def framed_read() -> Exchange:
 
 
 def framed_write() -> Exchange:
-    """Return the framed write of one word: its number, from 1."""
+    """Return the framed write of one word. The word is the request's number, from 1."""
     return _framed(
         "write", p.REQUEST_KIND_WRITE, lambda n: bytes([WRITE_ADDRESS]) + (n + 1).to_bytes(4, "big"), 0
     )
 
 
 def framed_post() -> Exchange:
-    """Return the post of one word, a write without an answer."""
+    """Return the post of one word: a write without an answer."""
     return _framed(
         "post", p.REQUEST_KIND_POST, lambda n: bytes([WRITE_ADDRESS]) + (n + 1).to_bytes(4, "big"), None
     )
 
 
 def framed_read_many(words: int) -> Exchange:
-    """Return the read of `words` scattered words: as few requests as hold them."""
+    """Return the read of `words` scattered words, in as few requests as possible."""
     parts = [min(_LIST_WORDS, words - start) for start in range(0, words, _LIST_WORDS)]
 
     def request(number: int) -> bytes:

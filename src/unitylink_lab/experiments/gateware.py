@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware behind the chip, clock for clock: that of 2012 by the twin, ours by its own VHDL, compiled."""
+"""The gateware behind the chip, clock for clock.
+
+The twin stands for that of 2012; ours is its own VHDL, compiled.
+"""
 
 from __future__ import annotations
 
@@ -16,42 +19,45 @@ from unitylink.interface.board_configuration import BoardConfiguration
 from .exchange import EPOCH, SPEC, frame, plain_client
 
 CLOCK_HZ = 50_000_000
-BASE_HZ = 961  # of publishing: every publish at another place within a microframe
-FIFO_LATENCY = 2  # clocks through the FIFO of each way
-_LARGE = 1 << 16  # bytes: what fifo 0 means
-_IN_FLIGHT_CLOCKS = 16  # from a word to its first byte
-_QUIET_CLOCKS = (
-    2500  # longer than any answer of ours takes to begin, or pauses: a list of 60 words takes 1700
-)
-_LOOK_CLOCKS = 20  # how late the first byte of a publish may be seen
-_START_UP_CLOCKS = 1000  # after a reset its tables are cleared
+BASE_HZ = 961  # the base frequency; with it, each publish comes at another place within a microframe
+FIFO_LATENCY = 2  # clocks that a byte takes through the FIFO, each way
+_LARGE = 1 << 16  # depth of the FIFO in bytes if `fifo` is 0
+_IN_FLIGHT_CLOCKS = 16  # from the read of a word to its first byte
+_QUIET_CLOCKS = 2500  # longer than our core needs before or within any answer; a list of 60 words takes 1700
+_LOOK_CLOCKS = 20  # the first byte of a publish may be seen this late
+_START_UP_CLOCKS = 1000  # after a reset the core clears its tables
 _OPENING_CLOCKS, _OPENING_STEPS = 20_000, 100
 
 
 class Gateware(ABC):
-    """A device between FIFOs of `fifo` bytes (0: large): bytes in, bytes out, and when each was answered.
+    """A device between two FIFOs of `fifo` bytes (0 means large).
+
+    It tells at which clock each request was answered.
 
     `watch` is an address. `effects` gets the clock of each change of its word. Clocks in which the device
-    cannot do anything are not run: it stands still behind a full transmit FIFO, and when nothing is due.
+    cannot do anything are skipped. That is so behind a full transmit FIFO, and when nothing is due.
     """
 
-    terminator = 0x0A  # ends a message
-    publish_heads = b"%&"  # begin a publish
+    terminator = 0x0A  # the byte that ends a message
+    publish_heads = b"%&"  # the bytes that begin a publish
 
     def __init__(self, device: _native.ServedDevice, *, fifo: int, watch: int | None = None) -> None:
         self._device = device
         self._depth = fifo or _LARGE
-        self._stood = 0  # clocks for which the device stood still
+        self._stood = 0  # clocks that were skipped
         self._transmit: deque[int] = deque()
         self._watch = watch
         self._word = None if watch is None else device.get(watch)
         self.answered: list[int] = []  # clock at which the last byte of each message left the core
         self.effects: list[int] = []
-        self.peak = 0  # most bytes that have waited in the transmit FIFO
+        self.peak = 0  # the most bytes that have waited in the transmit FIFO
 
     @abstractmethod
     def _due(self) -> int | None:
-        """Return the device's clock at which it may do something. None: nothing until a byte comes."""
+        """Return the device's clock at which it may do something.
+
+        None means that it does nothing until a byte comes.
+        """
 
     @property
     def clock(self) -> int:
@@ -71,7 +77,7 @@ class Gateware(ABC):
         return due + self._stood
 
     def receive(self, byte: int) -> bool:
-        """Take a byte. False: the receive FIFO is full."""
+        """Take a byte from the host. The result is False if the receive FIFO is full."""
         return self._device.receive(bytes([byte])) == 1
 
     def run_until(self, clock: int) -> None:
@@ -81,7 +87,7 @@ class Gateware(ABC):
             if due is None:
                 self._stood = clock - device.clock
                 return
-            if self._watch is None:  # a byte leaves in a clock at most
+            if self._watch is None:  # at most one byte leaves in a clock
                 due = max(due, min(end, device.clock + self._depth - len(self._transmit)))
             device.run_until(max(device.clock + 1, min(end, due)))
             if self._watch is not None and (word := device.get(self._watch)) != self._word:
@@ -102,7 +108,7 @@ class Gateware(ABC):
 
 
 class Gateware2012(Gateware):
-    """The gateware of 2012: the twin, which has its clocks.
+    """The gateware of 2012, played by the twin, which takes the same clocks.
 
     >>> gateware = Gateware2012(fifo=256)
     >>> all(gateware.receive(byte) for byte in b"#R:12\\n")
@@ -126,14 +132,14 @@ class Gateware2012(Gateware):
     def _due(self) -> int | None:
         twin = self._twin
         if twin.clock < twin.last_activity + FIFO_LATENCY + _IN_FLIGHT_CLOCKS:
-            return twin.clock + 1  # the sent bytes are on their way through the FIFO
+            return twin.clock + 1  # the sent bytes are still in the FIFO
         return twin.next_event
 
 
 class OurGateware(Gateware):
-    """Our gateware: the compiled VHDL for SPEC. The first time it needs GHDL and Verilator.
+    """Our gateware: the compiled VHDL for SPEC. The first use compiles it, with GHDL and Verilator.
 
-    With `publishing` it does not stand still when nothing comes. ToolError where they are missing.
+    With `publishing`, idle clocks are not skipped. Raises ToolError if a tool is missing.
     """
 
     def __init__(self, *, fifo: int = 256, watch: int | None = None, publishing: bool = False) -> None:
@@ -146,7 +152,7 @@ class OurGateware(Gateware):
         self._begin()
 
     def _begin(self) -> None:
-        """Start the clocks and the counters now."""
+        """Let the clocks and the counters start at zero now."""
         self.answered.clear()
         self._stood = -self._rtl.clock
         self.peak = 0
@@ -171,7 +177,7 @@ class OurGateware(Gateware):
 
 
 class FramedGateware(OurGateware):
-    """Our gateware in a framed session, which is open when this returns."""
+    """Our gateware in a framed session. The session is open when the constructor returns."""
 
     terminator = 0x00
     publish_heads = bytes([p.DEVICE_KIND_PUBLISH])
@@ -188,7 +194,7 @@ class FramedGateware(OurGateware):
             while not self.receive(byte):
                 self.run_until(self.clock + 1)
         answer = b""
-        for _ in range(_OPENING_STEPS):  # a small FIFO holds less than an answer
+        for _ in range(_OPENING_STEPS):  # a small FIFO holds less than one answer
             self.run_until(self.clock + _OPENING_CLOCKS // _OPENING_STEPS)
             answer += bytes(self.take() for _ in range(self.waiting))
         got, told = plain_client().unframe(answer.rstrip(b"\0"), p.FRAME_OPEN_EPOCH)

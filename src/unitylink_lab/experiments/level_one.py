@@ -25,10 +25,10 @@ _REPEATS = 16
 
 @dataclass(frozen=True)
 class GatewareFigures:
-    """Clocks of one request through both FIFOs, the period of many, and bit/s at that period.
+    """Clocks of one request through both FIFOs, the period of many requests, and bit/s at that period.
 
-    `latency_clocks` count from the first byte in to the last out, `effect_clocks` to the output of the
-    register. They are None without a reply, or without an effect.
+    `latency_clocks` counts from the first byte in to the last byte out, `effect_clocks` to the output of the
+    register. They are None if there is no reply or no effect.
     """
 
     gateware: str
@@ -41,14 +41,14 @@ class GatewareFigures:
 
 
 def figures(gateware: str, exchange: Exchange) -> GatewareFigures:
-    """Run one of GATEWARES, request bytes at full speed.
+    """Run one of GATEWARES. The request's bytes come at full speed.
 
     >>> figures("2012", read()).latency_clocks, figures("2012", read()).period_clocks
     (57, 28)
     """
     single, many = _fed(gateware, exchange.request(0)), _fed(gateware, exchange.burst(_REPEATS))
     ends = many.answered if exchange.reply_bytes else many.effects
-    ends = ends[len(ends) // _REPEATS - 1 :: len(ends) // _REPEATS]  # one of each exchange
+    ends = ends[len(ends) // _REPEATS - 1 :: len(ends) // _REPEATS]  # the last reply of each exchange
     period = max(b - a for a, b in list(pairwise(ends))[_REPEATS // 2 :])
     per_s = 8 * CLOCK_HZ / period
     return GatewareFigures(
@@ -73,7 +73,7 @@ def all_figures() -> list[GatewareFigures]:
 
 
 def _fed(name: str, data: bytes) -> Gateware:
-    """Give a fresh gateware all of `data` at once. Return it when all is done."""
+    """Give all of `data` at once to a fresh gateware. Return the gateware when it has done everything."""
     gateware = GATEWARES[name](fifo=0, watch=WRITE_ADDRESS)
     for byte in data:
         gateware.receive(byte)

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-PAPER_LINK_BITS_HZ = 67.1e6  # 64 Mbit/s as the paper counts them: 64 * 2**20
+PAPER_LINK_BITS_HZ = 67.1e6  # the paper's 64 Mbit/s are 64 * 2**20 bit/s
 
 
 @dataclass(frozen=True)
 class LinkParameters:
     """An FT232H between a USB host and a board. Times are in seconds, sizes in bytes.
 
-    `send_immediate` says behind which messages the board pulses SIWU#: "never", "publishes" or "all".
+    `send_immediate` says after which messages the board pulses SIWU#: "never", "publishes" or "all".
     """
 
     name: str = "FT245 asynchronous"
@@ -30,7 +30,7 @@ class LinkParameters:
 
     @property
     def payload_bytes(self) -> int:
-        """Bytes of the board in a full packet."""
+        """How many of the board's bytes a full packet holds."""
         return self.packet_bytes - self.status_bytes
 
 

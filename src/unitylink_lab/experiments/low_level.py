@@ -14,7 +14,7 @@ from .virtual_link import VirtualLink
 
 TRANSMIT_FIFO_BYTES = 255  # as the paper counts its 256
 BURST_PATIENCE_S = 1.0
-_PAUSE = 4  # a gap this many times the median is a pause
+_PAUSE = 4  # a gap is a pause if it is so many times longer than the median
 
 
 def synchronous_s(
@@ -26,9 +26,10 @@ def synchronous_s(
     fifo: int = 256,
     pause_s: float = 0.0,
 ) -> float:
-    """Return the mean round trip of requests in a row. The first is not counted.
+    """Return the mean round trip of requests that follow one another. The first is not counted.
 
-    `pause_s` is the program's work between a reply and the next request. It is not timed.
+    `pause_s` is the time that the program works between a reply and the next request. It is not part of the
+    round trip.
 
     >>> from unitylink_lab.experiments.link_parameters import FT245_ASYNC
     >>> round(synchronous_s(FT245_ASYNC, read()) * 1e6)
@@ -50,11 +51,11 @@ class ReadBurst:
     """Replies to requests that were sent together. Rates are in bit/s of replies."""
 
     requests: int
-    received_hz: float  # by the times at which the program got them
+    received_hz: float  # by the times at which the program received them
     stamped_hz: float  # by the gateware's time stamps, over the whole burst
-    unpaused_hz: float  # of them, without the pauses
-    between_pauses: int  # replies from one pause to the next; all if there is none
-    peak_bytes: int  # most that waited in the transmit FIFO
+    unpaused_hz: float  # by the time stamps, without the pauses
+    between_pauses: int  # replies from one pause to the next; all replies if there is no pause
+    peak_bytes: int  # the most bytes that waited in the transmit FIFO
 
 
 def read_burst(link: LinkParameters, requests: int, *, gateware: str = "2012", fifo: int = 256) -> ReadBurst:
@@ -82,7 +83,10 @@ def read_burst(link: LinkParameters, requests: int, *, gateware: str = "2012", f
 
 
 def largest_held_burst(link: LinkParameters) -> int:
-    """Return how many reads may go at once with send-immediate: more would meet a full transmit FIFO."""
+    """Return how many reads may be sent at once with send-immediate.
+
+    More of them would fill the transmit FIFO.
+    """
     held = replace(link, send_immediate="all")
     requests = 1
     while read_burst(held, requests + 1, fifo=2048).peak_bytes <= TRANSMIT_FIFO_BYTES:
@@ -92,11 +96,11 @@ def largest_held_burst(link: LinkParameters) -> int:
 
 @dataclass(frozen=True)
 class WriteBurst:
-    """Writes that were sent together, by the clocks at which they took effect."""
+    """Writes that were sent together. Their rates come from the clocks at which they took effect."""
 
-    first_s: float  # request to effect of the first
+    first_s: float  # from the first request to its effect
     period_s: float
-    effective_hz: float  # bits / (first latency + n periods), as the paper counts
+    effective_hz: float  # bits / (first latency + n periods), as the paper computes it
     bits: int
 
 

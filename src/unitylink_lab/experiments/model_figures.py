@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every figure that is compared with one of the paper, by name, in seconds and bit/s."""
+"""Every figure that is compared with the paper, by name, in seconds and bit/s."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def model_figures(
 ) -> dict[str, float]:
     """Return the figures of the 2012 gateware behind the paper's link, with the classic protocol.
 
-    The full stack's latency is the model's plus what this host's software costs. Each other argument changes
-    one part of the model (`ablations.py`).
+    The latency of the full stack is that of the model plus the cost of this host's software. Each other
+    argument changes one part of the model (`ablations.py`).
     """
     link_si = replace(link, send_immediate="all")
     figures: dict[str, float] = {"link_hz": 8 / link.byte_s}

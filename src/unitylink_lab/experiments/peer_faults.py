@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The known faults of LiteX's bridges, tried with its released package and with ours.
+"""The known faults of LiteX's bridges, tried with LiteX's released package and with ours.
 
-Both sides of a row meet the same fault of the same wire (`wire.py`) and are judged by the same rule. `bad` is
-a result that a program can neither see nor recover from. `unitylink faults --beside litex` runs it.
+In each row, both sides meet the same fault of the same wire (`wire.py`) and are judged by the same rule.
+`bad` means that a program can neither see the wrong result nor recover from it. `unitylink faults --beside
+litex` runs it.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ SERIAL, UDP = "Unity-Link, framed", "Unity-Link, framed, UDP"
 COMMAND = "unitylink faults --beside litex"
 VALUE = 0x11223344
 LATE_S = 5.0  # longer than the four seconds after which RemoteClient gives up
-RETRY_S = 1.5  # longer than the second after which CommUDP asks again
+RETRY_S = 1.5  # longer than the second after which CommUDP repeats its request
 SLOW_S = 0.02
 
 NOT_RUN = {
@@ -52,7 +53,7 @@ Play = Callable[[Peer, Process], Told]
 
 
 def _said(told: dict[str, Any]) -> str:
-    """Tell a read in a few words."""
+    """Describe the result of a read in a few words."""
     if told["outcome"] == "hangs":
         return f"hangs, {told['detail']}"
     what = {
@@ -64,25 +65,25 @@ def _said(told: dict[str, Any]) -> str:
 
 
 def _judged(*reads: tuple[str, dict[str, Any]]) -> Told:
-    """Judge reads: a wrong value and an endless wait are bad, an error is not."""
+    """Judge reads. A wrong value and an endless wait are bad, an error is not."""
     bad = any(told["outcome"] in ("wrong, unnoticed", "hangs") for _, told in reads)
     return Told(bad, "; ".join(f"{when}{_said(told)}" for when, told in reads))
 
 
 def _other(one: Peer) -> None:
-    """Go on as a second client, if there is a server for that."""
+    """Continue as a second client if there is a server for it."""
     if isinstance(one, Theirs):
         one.obey("another")
 
 
 def _settle(wire: Process, patience_s: float = 2.0) -> None:
-    """Wait until the fault has happened to its message."""
+    """Wait until the fault has hit its message."""
     if wire.ask(f"settle {patience_s}") != "ok":
         raise BenchError("the fault has met nothing")
 
 
 def spoiled_read(fault: str) -> Play:
-    """Return the play of a read whose answer meets `fault`."""
+    """Return a scenario: a read whose answer meets `fault`."""
 
     def play(one: Peer, wire: Process) -> Told:
         wire.ask(fault)
@@ -92,7 +93,7 @@ def spoiled_read(fault: str) -> Play:
 
 
 def spoiled_write(fault: str) -> Play:
-    """Return the play of a write that meets `fault`, and is then looked at."""
+    """Return a scenario: a write meets `fault`, and then the word is read."""
 
     def play(one: Peer, wire: Process) -> Told:
         wire.ask(f"{fault} device")
@@ -110,7 +111,7 @@ def spoiled_write(fault: str) -> Play:
 
 
 def frozen(one: Peer, wire: Process) -> Told:
-    """The device is silent for a while."""
+    """Scenario: the device is silent for a while."""
     wire.ask("freeze")
     first = attempt(one)
     _other(one)
@@ -120,7 +121,7 @@ def frozen(one: Peer, wire: Process) -> Told:
 
 
 def late_answer(late_s: float) -> Play:
-    """Return the play of an answer that comes late, and of the reads of other words after it."""
+    """Return a scenario: an answer comes late, and reads of other words follow."""
 
     def play(one: Peer, wire: Process) -> Told:
         wire.ask(f"late {late_s}")
@@ -134,7 +135,7 @@ def late_answer(late_s: float) -> Play:
 
 
 def long_loss(one: Peer, wire: Process) -> Told:
-    """Everything is lost for three reads, and then nothing is."""
+    """Scenario: during three reads everything is lost, and then nothing is."""
     wire.ask("freeze")
     for _ in range(3):
         attempt(one)
@@ -144,7 +145,7 @@ def long_loss(one: Peer, wire: Process) -> Told:
 
 
 def gone(one: Peer, wire: Process) -> Told:
-    """The other end of a client goes away: LiteX's server, or our port."""
+    """Scenario: the other end of a client goes away. It is LiteX's server, or our port."""
     if isinstance(one, Theirs):
         one.obey("stop")
     else:
@@ -153,14 +154,14 @@ def gone(one: Peer, wire: Process) -> Told:
 
 
 def slow_write(one: Peer, _: Process) -> Told:
-    """A write that is known to have been done: with LiteX, one that is read back."""
+    """Scenario: a write must be known to be done. With LiteX it has to be read back."""
     taken_s = median(one.series("write", 5)) * 1e-9
     return Told(taken_s > SLOW_S, f"{taken_s * 1e3:.2g} ms")
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: who is known for it, and who of ours stands beside that."""
+    """One fault, LiteX's client that is known for it, and our link beside it."""
 
     name: str
     theirs: str
@@ -198,7 +199,7 @@ def met(run: Run, client: str, fault: Fault) -> Told:
 
 
 def beside(run: Run) -> dict[str, Any]:
-    """Let both meet all of them."""
+    """Let both sides meet all faults."""
     rows = []
     for fault in FAULTS:
         run.say(f"faults: {fault.name}")
@@ -211,7 +212,7 @@ def beside(run: Run) -> dict[str, Any]:
 
 
 def section(results: dict[str, Any]) -> list[Block]:
-    """Return the part of docs/faults.md, from the results alone."""
+    """Return this part of docs/faults.md, from the results alone."""
     shown = [row for row in results["rows"] if row["theirs"]["bad"]]
     absent = [row for row in results["rows"] if not row["theirs"]["bad"]]
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Others on the same kind of wire, in the same run: LiteX's clients and a plain pyserial script, beside ours.
 
-Each has an instant device of its own in another process, behind a pty or on UDP: ours and the script the
-twin, LiteX its protocol's far end (`bench/native/bench_uartbone.cpp`, on UDP `bench/litex/board.py`). For the
-bytes and the faults `wire.py` stands between. LiteX is its released package in an environment of its own.
+Each has an instant device of its own in another process, behind a pty or on UDP. Our link and the script have
+the twin. LiteX has the far end of its own protocol (`bench/native/bench_uartbone.cpp`, on UDP
+`bench/litex/board.py`). To count bytes and to make faults, `wire.py` stands between. LiteX is its released
+package, in an environment of its own.
 """
 
 from __future__ import annotations
@@ -53,18 +54,22 @@ DATAGRAMS = {
 FIRST = {
     PTY: "Unity-Link, framed",
     UDP: "Unity-Link, framed, UDP",
-}  # the peer with which the others on the same wire are compared
-PATIENCE_S = 12.0  # RemoteClient takes four for a read of a device that is frozen, CommUDP ten
-SERIES_S = 0.5  # the longest of the series a round has of each operation
-_SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
+}  # the others on the same wire are compared with this peer
+PATIENCE_S = 12.0  # on a frozen device, a read takes RemoteClient four seconds and CommUDP ten
+SERIES_S = 0.5  # the longest series that a round has for each operation
+# how many calls of each operation a series has, as a share of the reads
+_SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}
 
 
 class Peer(Protocol):
     """One way to reach a device."""
 
-    def series(self, operation: str, count: int) -> Sequence[int]: ...  # ns of each call
+    def series(self, operation: str, count: int) -> Sequence[int]: ...  # the time of each call in ns
     def attempt(self, command: str) -> str:
-        """Do "read WORD" or "write WORD VALUE": the number, "done" or the error; Silence if it never ends."""
+        """Do "read WORD" or "write WORD VALUE".
+
+        Return the number, "done" or the error. Raises Silence if it never ends.
+        """
 
 
 class Ours:
@@ -118,11 +123,11 @@ class Ours:
 
 
 class Theirs:
-    """Another's client, in a process."""
+    """A client of somebody else, in a process of its own."""
 
     def __init__(self, process: Process) -> None:
         self._process = process
-        process.line()  # it is ready
+        process.line()  # wait until the process is ready
 
     def series(self, operation: str, count: int) -> Sequence[int]:
         return self._process.series(f"times {operation} {count}")
@@ -131,14 +136,17 @@ class Theirs:
         return self._process.ask(command, PATIENCE_S)
 
     def obey(self, command: str) -> None:
-        """Have "another" client of the server, or "stop" the server."""
+        """Start "another" client of the server, or "stop" the server."""
         if (said := self._process.ask(command)) != "ok":
             raise BenchError(f"`{command}` was answered {said!r}")
 
 
 @contextmanager
 def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, Process | None]]:
-    """Start a device and its reader. With `spoiled` there is a wire between, which is returned too."""
+    """Start a device and its reader.
+
+    With `spoiled` there is a faulty wire between them. It is returned too.
+    """
     from unitylink import connect
 
     datagrams = name in DATAGRAMS
@@ -152,7 +160,7 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
                 clock_hz=litex.CLOCK_HZ,
                 fifo=litex.FIFO_BYTES,
                 exchange_size=len(WRITES) + len(READS),
-                long_frames=datagrams,  # no gateware of ours is behind UDP: a device that is checks long
+                long_frames=datagrams,  # our gateware has no UDP; on datagrams, a device uses long checks
             )
             url = stack.enter_context(board).line()
             path = url.partition(":")[2].partition("?")[0].removeprefix("//")
@@ -178,7 +186,9 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
 
 
 def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
-    """Return a row for each peer: times, bytes, and its results on a frozen device and a flipped bit."""
+    """Return a row for each peer: its times, its bytes, and its results with a frozen device and with a
+    flipped bit.
+    """
     names = [*OURS, *THEIRS]
     some = {operation: max(2, round(count * span)) for operation, span in _SPAN.items()}
     calls = {name: dict(some) for name in names}
@@ -193,7 +203,7 @@ def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
                     series = one.series(operation, calls[name][operation])
                     if number >= 0:
                         taken[name][operation].append(series)
-                    else:  # the first makes it warm, and tells how many calls fit a round
+                    else:  # the first series warms up, and shows how many calls fit into a round
                         fit = int(SERIES_S / (median(series) * 1e-9))
                         calls[name][operation] = max(2, min(fit, some[operation]))
     run.say("peers: bytes and faults")
@@ -211,7 +221,7 @@ def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
 
 
 def wire_of(name: str) -> str:
-    """Return the kind of wire a peer is on.
+    """Return the kind of wire that a peer uses.
 
     >>> wire_of("LiteX CommUDP"), wire_of("LiteX CommUART")
     ('UDP', 'pty')
@@ -220,7 +230,10 @@ def wire_of(name: str) -> str:
 
 
 def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) -> dict[str, float]:
-    """Return the times of all rounds, and their ratio to the first peer of the wire within each round."""
+    """Return the times of all rounds.
+
+    Also return their ratio to the first peer of the wire, taken within each round.
+    """
     every = [time_ns for series in rounds for time_ns in series]
     return {
         "p50_s": median(every) * 1e-9,
@@ -230,7 +243,9 @@ def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) ->
 
 
 def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return the bytes of each operation, and the results of a read on a flipped bit and a frozen device."""
+    """Return the bytes of each operation, and the results of a read with a flipped bit and with a frozen
+    device.
+    """
     told: dict[str, dict[str, Any]] = {}
     with ExitStack() as stack:
         peers = {name: stack.enter_context(peer(run, name, spoiled=True)) for name in names}
@@ -241,14 +256,16 @@ def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
             counted = {}
             for operation in OPERATIONS:
                 tries = []
-                for _ in range(3):  # the fewest: a busy machine may make an engine repeat one
+                # take the fewest bytes, because on a busy machine an engine may repeat a request
+                for _ in range(3):
                     one.series(operation, 2)
                     tries.append([int(part) / 2 for part in wire.ask("bytes").split()])
                 counted[operation] = min(tries, key=sum)
             wire.ask("flip")
             told[name] = {"bytes": counted, "flipped": attempt(one), "after": attempt(one)}
             wire.ask("freeze")
-        with ThreadPoolExecutor(len(peers)) as pool:  # each only waits: some for ten seconds
+        # in parallel, because each one only waits, some of them for ten seconds
+        with ThreadPoolExecutor(len(peers)) as pool:
             frozen = pool.map(attempt, [one for one, _ in peers.values()])
         for name, outcome in zip(peers, frozen, strict=True):
             told[name]["frozen"] = outcome
@@ -256,7 +273,7 @@ def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def attempt(one: Peer, word: int = ADDRESS, right: int = EXPECTED) -> dict[str, Any]:
-    """Read a word once. Return the result and the time."""
+    """Read a word once. Return the result and the time that it took."""
     start = time.perf_counter()
     try:
         said = one.attempt(f"read {word}")

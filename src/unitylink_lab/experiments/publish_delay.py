@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The time of a publish from the gateware to the program, for each cause that makes the chip send."""
+"""The time of a publish from the gateware to the program, for each event that makes the chip send."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .virtual_link import VirtualLink
 SEND_IMMEDIATE = ("never", "publishes", "all")
 WORDS = 4
 _DURATION_S = 0.03
-_FIRST = 2  # publishes that the answers to the requests hold up
+_FIRST = 2  # the answers to the requests hold up so many publishes
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,9 @@ class PublishDelay:
 
 
 def publish_delay(link: LinkParameters, gateware: str, send_immediate: str) -> PublishDelay:
-    """Publish WORDS words at the base frequency, 961 Hz, so that they come at every time of a microframe.
+    """Publish WORDS words at the base frequency.
+
+    It is 961 Hz, so they come at every time within a microframe.
 
     >>> from unitylink_lab.experiments.link_parameters import FT245_ASYNC
     >>> publish_delay(FT245_ASYNC, "2012", "all").most_s < 260e-6
@@ -44,7 +46,7 @@ def publish_delay(link: LinkParameters, gateware: str, send_immediate: str) -> P
     wire.send(b"".join(requests))
     wire.run_until(_DURATION_S)
     ends = (time_s for time_s, data in wire.received for byte in data if byte == device.terminator)
-    # The last of those sent may be on its way yet.
+    # The last publishes may still be on their way.
     delays = [end_s - clock / CLOCK_HZ for end_s, clock in zip(ends, device.answered, strict=False)]
     del delays[: len(requests) + _FIRST]
     return PublishDelay(gateware, send_immediate, len(delays), mean(delays), max(delays))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 4 of the paper: how often messages of some size can be published, as far as it can be computed."""
+"""Fig. 4 of the paper: how often messages of some size can be published, as far as this can be computed."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def gateware_2012_hz(words: int) -> float:
 
 
 def core_hz(words: int) -> float:
-    """The limit of our core: 10 + 8n clocks, a byte a clock."""
+    """The limit of our core: 10 + 8n clocks, one byte in each clock."""
     return CLOCK_HZ / (10 + 8 * words)
 
 
 def link_hz(words: int) -> float:
-    """The limit of the paper's ideal link, by its byte rate alone."""
+    """The limit of the paper's ideal link, from its byte rate alone."""
     return 1 / (message_bytes(words) * FT245_ASYNC.byte_s)
 
 
@@ -56,7 +56,7 @@ def framed_link_hz(words: int) -> float:
 
 
 def chip_hz(words: int) -> float:
-    """The rate of the FT232H's model: full packets, as many in a microframe as its driver takes."""
+    """The rate of the FT232H's model. Packets are full, and a microframe has as many as the driver takes."""
     return min(link_hz(words), _payload_hz() / message_bytes(words))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The report, from the results alone: the same results always give the same page and pictures."""
+"""The report, made from the results alone. The same results always give the same page and pictures."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ MISSING = (
 
 
 def report(results: dict[str, Any]) -> list[Block]:
-    """Return the report of `results`, which may be those of some parts only."""
+    """Return the report of `results`. They may hold some parts only."""
     form = " --quick" if results["quick"] else ""
     machine = ", ".join(f"{name} {value}" for name, value in results["machine"].items())
     parts = [name for name in _SECTIONS if name in results["parts"]]
@@ -205,7 +205,7 @@ _SECTIONS: dict[str, Callable[[dict[str, Any]], list[Block]]] = {
 
 
 def pictures(results: dict[str, Any]) -> dict[str, str]:
-    """Return the figures of the parts that are there: file name to SVG."""
+    """Return the pictures of the parts that are there: file name to SVG."""
     made = {"table-one": (LATENCIES, _latency_bars), "publishing": (PUBLISHES, _publish_lines)}
     return {name: draw(results) for part, (name, draw) in made.items() if part in results["parts"]}
 
@@ -232,14 +232,14 @@ def _latency_bars(results: dict[str, Any]) -> str:
             ("Unity-SW", "stack", "stack_s"),
         ):
             if immediate and name in ("GW", "link"):
-                continue  # these know no difference
+                continue  # send-immediate makes no difference to these
             cell = next(
                 (
                     c
                     for c in results["table_one"]
                     if (c["table"], c["row"]) == (kind, row) and c["quantity"].startswith("latency")
                 ),
-                {"paper": None, "model": None, "sd": None},  # of a write the paper tells no ideal latency
+                {"paper": None, "model": None, "sd": None},  # the paper gives no ideal latency of a write
             )
             groups.append(f"{kind} {name}".replace("Read", "R").replace("Write", "W"))
             series["paper"].append(_us(cell["paper"]))

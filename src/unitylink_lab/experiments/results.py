@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One run of all experiments, as JSON has it."""
+"""One run of all experiments, as data for JSON."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Wanted:
-    """The length of a run. `quick` repeats measurements less often. Memory is watched for `soak_s`."""
+    """How long a run may take. `quick` repeats measurements less often. Memory is watched for `soak_s`."""
 
     quick: bool
     soak_s: float
@@ -57,7 +57,7 @@ class Wanted:
 def run_all(
     *, quick: bool, soak_s: float, say: Callable[[str], None], only: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Run PARTS, or `only` those. `quick` repeats the measured ones less often.
+    """Run all PARTS, or only those in `only`. `quick` repeats the measured ones less often.
 
     The modelled part is the same in both. Memory is watched for `soak_s`.
 
@@ -71,7 +71,7 @@ def run_all(
         "quick": quick,
         "version": unitylink.__version__,
         "machine": machine(),
-        "seeds": [],  # nothing in the model is drawn at random
+        "seeds": [],  # the model draws nothing at random
         "assumptions": assumptions(),
         "parts": [name for name in PARTS if not only or name in only],
     }
@@ -83,7 +83,7 @@ def run_all(
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a run that can run alone. Its measurements go into the results."""
+    """A part that can run alone. Its measurements go into the results."""
 
     title: str
     measure: Callable[[Wanted], dict[str, Any]]
@@ -161,7 +161,7 @@ PARTS = {
 def compared(
     cells: Sequence[Cell], figures: dict[str, float], changed: Mapping[str, dict[str, float]]
 ) -> list[dict[str, Any]]:
-    """Return a row for each cell: paper, model, and the model with each cause changed."""
+    """Return a row for each cell: the paper, the model, and the model with each change."""
 
     def beside(cell: Cell, value: float) -> dict[str, float]:
         return {"model": value, "difference": value / cell.paper - 1}
@@ -180,7 +180,7 @@ def compared(
 
 
 def _measured(measure: Callable[[], list[dict[str, Any]]]) -> dict[str, Any]:
-    """Return the rows, or why there are none. A missing tool does not stop the other parts."""
+    """Return the rows, or the reason why there are none. A missing tool does not stop the other parts."""
     try:
         return {"rows": measure(), "failure": ""}
     except UnityLinkError as error:
@@ -188,7 +188,7 @@ def _measured(measure: Callable[[], list[dict[str, Any]]]) -> dict[str, Any]:
 
 
 def _ours(cost: SoftwareCost) -> list[dict[str, Any]]:
-    """Return the latencies of Table I with our gateware and our stack on the paper's link."""
+    """Return the latencies of Table I for our gateware and our stack on the paper's link."""
     rows = []
     for gateware, exchanges, stack_s in (
         (CLASSIC, (read(), write()), (cost.stack_read_s, cost.stack_write_s)),
@@ -217,7 +217,9 @@ def _ours(cost: SoftwareCost) -> list[dict[str, Any]]:
 
 
 def _read_bursts() -> list[dict[str, Any]]:
-    """Reads sent together: as many as the paper's, or as the window of the framed protocol has places."""
+    """Reads that are sent together: as many as in the paper, or as many as fit the window of the framed
+    protocol.
+    """
     sizes = {"2012": LONG_BURST_REQUESTS, CLASSIC: LONG_BURST_REQUESTS, FRAMED: FRAME_WINDOW_DEFAULT}
     return [
         {"link": link.name, "gateware": gateware, **asdict(read_burst(link, size, gateware=gateware))}
@@ -227,7 +229,7 @@ def _read_bursts() -> list[dict[str, Any]]:
 
 
 def _write_bursts() -> list[dict[str, Any]]:
-    """The paper's 30 writes, and 30 posts, of each gateware."""
+    """The paper's 30 writes, and 30 posts, on each gateware."""
     kinds = [("2012", write()), (CLASSIC, write()), (FRAMED, framed_write()), (FRAMED, framed_post())]
     return [
         {
@@ -242,7 +244,7 @@ def _write_bursts() -> list[dict[str, Any]]:
 
 
 def _link_rows(link: LinkParameters, *, quick: bool) -> list[dict[str, Any]]:
-    """Latencies of one link when the chip waits for its timer, and when something makes it send."""
+    """Latencies of one link: when the chip waits for its timer, and when something makes it send."""
     classic = [read(), read(checked=True), write(), write(checked=True), read_many(32), read_many(255)]
     framed = [framed_read(), framed_write(), framed_read_many(32), framed_read_many(255)]
     cases: list[tuple[str, int, list[Exchange]]] = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Section VI.C of the paper: how fast a single integer goes to ROS and comes from it, on the real thing."""
+"""Section VI.C of the paper: the rate of a single integer to ROS and from it, on real ROS."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from unitylink_lab.bench import run
 
 PAPER_HZ = {"out": 1800.0, "in": 300.0}
 FIGURES = ("ros1-out", "ros1-in", "dds-out", "dds-in")
-SLOWER = ("roscpp-out",)  # whose package is compiled first: not in the quick form
+SLOWER = ("roscpp-out",)  # its package is compiled first, so the quick form leaves it out
 
 
 def rates(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
-    """Return messages a second of our node, and of a bare publisher or subscriber, measured by the bench.
+    """Return the messages a second of our node, and of a bare publisher or subscriber.
+
+    The bench measures them.
 
     `failures` names what could not be measured, and the command that installs what is missing.
     """

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cost on this host of more registers, links, cores, groups and rates, and memory over time."""
+"""The cost on this host when there are more registers, links, cores, groups or higher rates, and the memory
+over time.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,9 @@ _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 def scaling(*, rounds: int, window_s: float, memory_s: float, count: int = 100) -> dict[str, Any]:
-    """Return the cost of a read by name against registers and links, of publishes against groups and rates,
-    and how memory grows over `memory_s` of publishes."""
+    """Return three things: the cost of a read by name against registers and links, the cost of publishes
+    against groups and rates, and the growth of the memory over `memory_s` of publishes.
+    """
     cores = sorted(os.sched_getaffinity(0))
     return {
         "registers": [
@@ -51,19 +54,19 @@ def scaling(*, rounds: int, window_s: float, memory_s: float, count: int = 100) 
 
 
 def registers_s(number: int, *, rounds: int, count: int) -> float:
-    """Return the seconds of a read, spread over the registers of a spec."""
+    """Return the seconds of a read. The reads are spread over the registers of a spec."""
     with on_processors(), _words(number, 1) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_s(number: int, *, rounds: int, count: int) -> float:
-    """Return the seconds of a read, in turns over several links in one process."""
+    """Return the seconds of a read. The reads go in turns over several links in one process."""
     with on_processors(), _words(1, number) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_wall_s(number: int, cores: Sequence[int], rounds: int, count: int) -> float:
-    """Return the wall time of such a read with the process on `cores`, boards and all."""
+    """Return the wall time of such a read. The process and its boards stay on `cores`."""
     with on_processors(cores), _words(1, number) as turn:
         samples = []
         for _ in range(rounds):
@@ -75,7 +78,7 @@ def links_wall_s(number: int, cores: Sequence[int], rounds: int, count: int) -> 
 
 
 def publishes(groups: int, hz: int, window_s: float) -> dict[str, float]:
-    """Return the cost in layer 4 of several groups of a word, which another process publishes at `hz`."""
+    """Return the cost in layer 4 of several groups of one word, which another process publishes at `hz`."""
     with _publishing(groups, hz) as tree:
         first, start, cpu = _received(tree), time.perf_counter(), time.process_time()
         time.sleep(window_s)
@@ -112,7 +115,7 @@ def _spec(lines: str) -> Any:
 
 @contextmanager
 def _words(registers: int, links: int) -> Iterator[Iterator[Any]]:
-    """Yield the words of the registers on each of the links, again and again."""
+    """Yield the words of the registers on each link in turn, without end."""
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
     from unitylink.simulate import Board, BoardConfiguration
@@ -130,7 +133,7 @@ def _words(registers: int, links: int) -> Iterator[Iterator[Any]]:
 
 @contextmanager
 def _publishing(groups: int, hz: int) -> Iterator[Any]:
-    """Give a tree whose words a twin in another process publishes, a group each."""
+    """Yield a tree of objects. A twin in another process publishes its words, each in a group of its own."""
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
 

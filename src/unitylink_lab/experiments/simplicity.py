@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Section III.B of the paper: the number of lines to write for the 18-DOF walker."""
+"""Section III.B of the paper: how many lines one has to write for the 18-DOF walker."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from unitylink.resources import resource_folder
 from unitylink.spec import load
 
 SPECS = ("walker18.ul", "walker18_si.ul")
-# The paper's counts. On the microcontroller (MCU) they are lines of C, and of C and assembly.
+# The paper's counts. For the microcontroller (MCU) it gives lines of C, and lines of C and assembly.
 PAPER = {
     "specification": 23,
     "VHDL, configured": 14,

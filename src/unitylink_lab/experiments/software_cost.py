@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SoftwareCost:
-    """Processor time of one request, in seconds: a bare classic script's, and the full stack's on either
-    protocol."""
+    """Processor time of one request in seconds: of a bare classic script, and of the full stack on each
+    protocol.
+    """
 
     script_read_s: float
     script_write_s: float
@@ -31,11 +32,13 @@ class SoftwareCost:
 
 
 def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
-    """Measure `rounds` times `count` requests of each kind, in turns. The median round counts.
+    """Measure `rounds` times `count` requests of each kind, in turns.
 
-    Waiting for the virtual board takes no processor time, so it is not in the figures, and other programs on
-    the machine disturb them little. Both sides share one processor: on a virtual machine it takes several
-    times as long as all that is measured to wake the board's thread on another, and no link to a real board
+    The result is that of the median round.
+
+    Waiting for the virtual board takes no processor time, so it is not in the figures. Other programs on the
+    machine disturb them little. Both sides share one processor. On a virtual machine, waking the board's
+    thread on another processor takes several times as long as all that is measured. No link to a real board
     does that.
     """
     with ExitStack() as stack:
@@ -73,7 +76,7 @@ def _descriptor() -> Iterator[int]:
 
 
 def _requests(stack: ExitStack, protocol: str) -> list[Callable[[], object]]:
-    """Return a read and a write through generated objects, of a board that is served until `stack` ends."""
+    """Return a read and a write through generated objects. Their board is served until `stack` ends."""
     from unitylink import connect
     from unitylink.layer4_data import ReadValue, WriteValue, load_spec_objects
     from unitylink.spec import compile_text
@@ -89,7 +92,7 @@ def _requests(stack: ExitStack, protocol: str) -> list[Callable[[], object]]:
 
 
 def _exchange(descriptor: int, request: bytes) -> bytes:
-    """Work as a short script does: write, then read up to the line feed."""
+    """Do what a short script does: write, then read up to the line feed."""
     os.write(descriptor, request)
     reply = b""
     while not reply.endswith(b"\n"):
@@ -98,7 +101,7 @@ def _exchange(descriptor: int, request: bytes) -> bytes:
 
 
 def thread_s(call: Callable[[], object], count: int) -> float:
-    """Return the processor time of one of `count` calls, in seconds of this thread."""
+    """Return the processor time that one of `count` calls takes in this thread, in seconds."""
     start = thread_time_ns()
     for _ in range(count):
         call()
@@ -107,7 +110,10 @@ def thread_s(call: Callable[[], object], count: int) -> float:
 
 @contextmanager
 def on_processors(processors: Iterable[int] | None = None) -> Iterator[None]:
-    """Keep this thread, and the threads it starts meanwhile, on these processors, or on one."""
+    """Keep this thread on these processors, or on one.
+
+    The threads that it starts meanwhile stay there too.
+    """
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)} if processors is None else processors)
     try:

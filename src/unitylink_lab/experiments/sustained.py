@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fig. 4 of the paper, measured: how many publishes a second the full stack takes without a loss.
 
-The source is the twin, on a clock so fast that it is no limit. It publishes at a set rate over TCP on the
-loopback. The receiver is layer 4, which records as usual.
+The source is the twin. Its clock is so fast that it sets no limit. It publishes at a set rate over TCP on the
+loopback. The receiver is layer 4, which keeps the values as usual.
 """
 
 from __future__ import annotations
@@ -13,33 +13,33 @@ from typing import Any
 
 from .publish_limits import framed_link_hz, link_hz
 
-FACTORS = (1.0, 2.0)  # rates relative to the ideal link, tried upwards while nothing is lost
-LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # tried downwards if even the first of them loses publishes
+FACTORS = (1.0, 2.0)  # rates relative to the ideal link, tried in rising order while nothing is lost
+LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # tried in falling order if publishes are lost even at the first rate
 LINK_HZ = {"classic": link_hz, "framed": framed_link_hz}
 _CLOCK_HZ = 1_000_000_000
 _FRAME_BYTES_MOST = 1200  # holds 255 words in a long frame
-PATIENCE_S = 0.5  # until the publishes under way have arrived
-IN_TIME = 0.95  # of a rate have to come in real time: the twin may be late
+PATIENCE_S = 0.5  # wait for the publishes that are still under way
+IN_TIME = 0.95  # share of a rate that must come in real time, because the twin may be late
 
 
 @dataclass(frozen=True)
 class Sustained:
-    """The highest tried rate that lost nothing. `factor` is relative to the ideal link's.
+    """The highest tried rate that lost nothing. `factor` is its ratio to the rate of the ideal link.
 
-    `more` is the cause of the failure of the next higher rate: "" (none was tried), "stack" or "source".
+    `more` says why the next higher rate failed: "stack" or "source". It is "" if none was tried.
     """
 
     protocol: str
     words: int
     factor: float
     rate_hz: float
-    core: float  # processor time of source and stack together, over time
+    core: float  # processor time of source and stack together, divided by the time
     more: str
 
 
 @dataclass(frozen=True)
 class Trial:
-    """The result of one rate. `complete`: all publishes arrived, and at that rate."""
+    """The result of one rate. `complete` means that all publishes arrived, and at that rate."""
 
     complete: bool
     limit: str  # why a trial is not complete: "stack" or "source"
@@ -48,9 +48,10 @@ class Trial:
 
 
 def sustained(protocol: str, words: int, *, window_s: float, tries: int = 3) -> Sustained:
-    """Return the highest rate without loss for messages of `words` words.
+    """Return the highest rate without a loss for messages of `words` words.
 
-    A rate counts if one of `tries` windows was complete, because other work of the machine disturbs some.
+    A rate counts if one of `tries` windows was complete, because other work of the machine disturbs some
+    windows.
 
     >>> sustained("framed", 16, window_s=0.05).words
     16
@@ -70,7 +71,7 @@ def sustained(protocol: str, words: int, *, window_s: float, tries: int = 3) -> 
 
 
 def offer(protocol: str, words: int, rate_hz: float, *, window_s: float) -> Trial:
-    """Publish at a rate for a while, and see whether all of it arrives."""
+    """Publish at a rate for a while, and see whether all of them arrive."""
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
     from unitylink.simulate import Board
@@ -84,7 +85,7 @@ def offer(protocol: str, words: int, rate_hz: float, *, window_s: float) -> Tria
         with tree.record() as recording, tree.publishing():
             started_s, start, cpu = board.time_s, time.perf_counter(), time.process_time()
             time.sleep(window_s)
-            due = rate_hz * (board.time_s - started_s)  # by the device's own clock
+            due = rate_hz * (board.time_s - started_s)  # by the clock of the device
             patience = time.perf_counter() + PATIENCE_S
             while (taken := _taken(tree))[0] < due and time.perf_counter() < patience:
                 time.sleep(0.001)

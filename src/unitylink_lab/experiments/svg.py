@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two kinds of chart as SVG text: bars on a logarithmic scale, and lines on two of them."""
+"""Two kinds of chart as SVG text: bars on a logarithmic scale, and lines with two logarithmic axes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from types import MappingProxyType
 COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2", "#9c755f", "#222222")
 WIDTH, HEIGHT = 900, 400
 LEFT, RIGHT, TOP, BOTTOM = 80, 20, 20, 90
-_NAMES = 4  # in a row of the legend
-_NUMBER = 24  # wide; over a narrower bar it stands upright
+_NAMES = 4  # how many names stand in a row of the legend
+_NUMBER = 24  # width; over a narrower bar the number stands upright
 
 
 def log_bars(
@@ -21,9 +21,9 @@ def log_bars(
     label: str,
     deviations: Mapping[str, Sequence[float | None]] = MappingProxyType({}),
 ) -> str:
-    """Draw bars in groups. None leaves a bar out. Values are positive.
+    """Draw bars in groups. A value of None leaves a bar out. All values are positive.
 
-    `deviations` of a series are drawn from so much below the bar's end to as much above it.
+    The `deviations` of a series are drawn as a line, by so much below and above the end of the bar.
 
     >>> log_bars(["a"], {"x": [1.0]}, "us").startswith("<svg")
     True
@@ -60,7 +60,7 @@ def log_bars(
 def log_lines(
     xs: Sequence[float], series: Mapping[str, Sequence[float | None]], x_label: str, label: str
 ) -> str:
-    """Draw a line for each series over the positive `xs`. None leaves a point out."""
+    """Draw a line for each series over the positive `xs`. A value of None leaves a point out."""
     low, high = _decades([value for row in series.values() for value in row if value is not None])
     parts = _frame(label, low, high)
     span = math.log10(xs[-1] / xs[0])

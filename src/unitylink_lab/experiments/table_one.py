@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Table I of the paper as data, and which figure of the model stands beside each cell."""
+"""Table I of the paper as data, with the figure of the model that stands beside each cell."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cause:
-    """Why model and paper may differ. `tried` are the ablations that show whether that is true."""
+    """Why model and paper may differ. `tried` are the ablations that show whether this is true."""
 
     words: str
     tried: tuple[str, ...] = ()
@@ -16,9 +16,11 @@ class Cause:
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of the paper. `model` names the figure beside it. `cause` says why the two may differ.
+    """A number of the paper.
 
-    `sd` is the paper's standard deviation, if it has one.
+    `model` names the figure that is compared with it. `cause` says why the two may differ.
+
+    `sd` is the paper's standard deviation, if it gives one.
     """
 
     table: str

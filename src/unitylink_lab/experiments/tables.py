@@ -154,7 +154,7 @@ _OPERATIONS = {
 
 
 def peers(measured: dict[str, Any]) -> list[Block]:
-    """Return times, bytes and faults, each a table, or why there are none."""
+    """Return tables of times, bytes and faults, or the reason why there are none."""
     rows = measured["rows"]
     if not rows:
         return [Paragraph(f"Not measured: {measured['failure']}")]
@@ -364,7 +364,7 @@ def simplicity(counts: dict[str, Any]) -> list[Block]:
 
 
 def value(value: float, unit: str) -> str:
-    """Write a figure with four digits and a prefix a reader knows."""
+    """Write a figure with four digits and a unit that readers know."""
     if unit == "s":
         return f"{value * 1e6:.4g} us"
     if unit == "bit/s":

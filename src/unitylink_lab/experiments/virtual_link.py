@@ -10,14 +10,14 @@ from .chip import Chip
 from .gateware import CLOCK_HZ, Gateware
 from .link_parameters import LinkParameters
 
-_CLOCK_FRACTION = 1e-6  # error of binary fractions
+_CLOCK_FRACTION = 1e-6  # allowance for the rounding of binary fractions
 
 
 class VirtualLink:
     """A board as a program on the PC sees it. `now_s` moves only when the program waits.
 
-    `received` has the time and the bytes of each transfer that reached the program, `lost` counts bytes that
-    met a full FIFO behind a line without flow control.
+    `received` has the time and the bytes of each transfer that reached the program. `lost` counts the bytes
+    that met a full FIFO, on a line without flow control.
 
     >>> from unitylink_lab.experiments.gateware import Gateware2012
     >>> from unitylink_lab.experiments.link_parameters import FT245_ASYNC
@@ -37,18 +37,18 @@ class VirtualLink:
         self.lost = 0
         self._outgoing: deque[int] = deque()
         self._microframe = 0
-        self._to_board_s = 0.0  # when the lines are free
+        self._to_board_s = 0.0  # time from which the line is free
         self._to_host_s = 0.0
-        self._publish = False  # the message on its way to the host is one
-        self._begins = True  # a message, with the next byte to the host
+        self._publish = False  # whether the message on its way to the host is a publish
+        self._begins = True  # whether the next byte to the host begins a message
         self._count = 0
 
     def send(self, data: bytes) -> None:
-        """Hand bytes to the chip now."""
+        """Give bytes to the chip now."""
         self._outgoing.extend(data)
 
     def wait(self, count: int, *, limit_s: float = 1.0) -> None:
-        """Let time pass until `count` more bytes have come. TimeoutError after `limit_s`."""
+        """Let time pass until `count` more bytes have come. Raises TimeoutError after `limit_s`."""
         target, end_s = self._count + count, self.now_s + limit_s
         while self._count < target:
             if self.now_s >= end_s:
@@ -56,12 +56,15 @@ class VirtualLink:
             self._microframe_passes()
 
     def run_until(self, time_s: float) -> None:
-        """Let time pass to the end of the microframe that holds `time_s`."""
+        """Let time pass until the end of the microframe that holds `time_s`."""
         while self.now_s < time_s:
             self._microframe_passes()
 
     def _microframe_passes(self) -> None:
-        """Ask the chip for packets until it has none. The program gets them at the end of the microframe."""
+        """Ask the chip for packets until it has none.
+
+        The program gets these packets at the end of the microframe.
+        """
         p = self.parameters
         packets: list[bytes] = []
         asking = True
@@ -82,7 +85,7 @@ class VirtualLink:
         return (self._microframe + token / p.packets_per_microframe) * p.microframe_s
 
     def _carry(self, time_s: float, end_s: float) -> None:
-        """Move bytes over the lines from `time_s` to `end_s`, first those towards the host."""
+        """Move bytes over the lines from `time_s` to `end_s`. Those towards the host go first."""
         while time_s < end_s:
             self.gateware.run_until(math.ceil(time_s * CLOCK_HZ - _CLOCK_FRACTION))
             refused = False
@@ -103,7 +106,7 @@ class VirtualLink:
             self._to_board_s = max(self._to_board_s, self._to_host_s)
 
     def _carry_to_board(self, time_s: float) -> bool:
-        """Offer the oldest byte. False if it has to wait for room."""
+        """Offer the oldest byte to the board. The result is False if the byte has to wait for room."""
         if not self.gateware.receive(self._outgoing[0]):
             if self.parameters.flow_controlled:
                 return False
@@ -122,8 +125,8 @@ class VirtualLink:
         if self._outgoing and not refused:
             times.append(self._to_board_s)
         if (event := self.gateware.next_event) is not None:
-            if refused:  # until there is room
+            if refused:  # wait until there is room
                 times.append(event / CLOCK_HZ)
-            elif not self.gateware.waiting:  # until there is a byte, and the line is free for it
+            elif not self.gateware.waiting:  # wait until there is a byte and the line is free for it
                 times.append(max(event / CLOCK_HZ, self._to_host_s))
         return max(min(times), time_s + 1 / CLOCK_HZ)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A wire that counts and spoils, as a process: `python -m unitylink_lab.experiments.wire PTY|HOST:PORT`.
+"""A wire that counts bytes and makes faults, as a process: `python -m unitylink_lab.experiments.wire
+PTY|HOST:PORT`.
 
-Carries bytes between a pty of its own and PTY, or datagrams between a port of its own and HOST:PORT. Prints
-the address of its own end. A line on standard input each:
+It carries bytes between a pty of its own and PTY, or datagrams between a port of its own and HOST:PORT. It
+prints the address of its own end. Each line on standard input is a command:
 
     bytes                    answers with the bytes to and from the device since last asked
     freeze, thaw             keeps all that the device says; lets it through again
@@ -12,7 +13,7 @@ the address of its own end. A line on standard input each:
     late [device] SECONDS    holds it, and on a pty all that follows, for so long
     settle SECONDS           answers when the fault has met its message, and what was late is through
 
-The next message is one to the host, or to the device if the line says so.
+"The next message" is the next one to the host, or with `device` the next one to the device.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ FAULTS = ("flip", "cut", "lose", "late")
 
 
 class End(Protocol):
-    """Where messages come from and go to."""
+    """An end of the wire: it takes messages and gives them."""
 
-    stream: bool  # bytes without borders, in order
+    stream: bool  # true for bytes in order without borders, false for datagrams
 
     def fileno(self) -> int: ...
     def take(self) -> bytes: ...
@@ -82,7 +83,7 @@ class Udp:
     def take(self) -> bytes:
         try:
             data, self._peer = self._socket.recvfrom(_CHUNK)
-        except ConnectionRefusedError:  # earlier bytes reached nobody
+        except ConnectionRefusedError:  # nobody listened when the earlier bytes were sent
             return b""
         return data
 
@@ -99,7 +100,7 @@ class Way:
         self.carried = 0
         self.frozen = False
         self._fault, self._late_s = "", 0.0
-        self._whole = b""  # of the message a fault waits for
+        self._whole = b""  # the message for which a fault waits, so far
         self._held: deque[tuple[float, bytes]] = deque()
 
     @property
@@ -110,7 +111,7 @@ class Way:
         self._fault, self._late_s = fault, late_s
 
     def carry(self) -> None:
-        """Take the bytes that have come, and pass them on unless a fault takes them."""
+        """Take the bytes that have come, and pass them on unless a fault removes them."""
         data = self.source.take()
         if self.frozen or not data:
             return
@@ -123,20 +124,20 @@ class Way:
             self._spoil()
 
     def due_s(self) -> float | None:
-        """Return how long nothing needs to be done here, or None."""
+        """Return the time until something has to be done here, or None."""
         if self._whole:
             return _QUIET_S
         return max(0.0, self._held[0][0] - time.monotonic()) if self._held else None
 
     def quiet(self) -> None:
-        """Do the work of the clock: end a message, release a late one."""
+        """Do what is due by the clock: end a message, release a late one."""
         if self._whole:
             self._spoil()
         while self._held and self._held[0][0] <= time.monotonic():
             self._sink.give(self._held.popleft()[1])
 
     def _pass(self, data: bytes) -> None:
-        if self._held and self.source.stream:  # bytes stay in order
+        if self._held and self.source.stream:  # bytes must stay in order
             self._held.append((self._held[-1][0], data))
         else:
             self._sink.give(data)
@@ -187,7 +188,10 @@ class Wire:
         return "ok"
 
     def turn(self, others: list[int], most_s: float | None = None) -> bool:
-        """Wait for bytes, at most `most_s`, and carry them. Return whether one of `others` can be read."""
+        """Wait for bytes for at most `most_s`, and carry them.
+
+        Return whether one of `others` can be read.
+        """
         ways = (self.to_device, self.to_host)
         waits = [wait_s for wait_s in (*(way.due_s() for way in ways), most_s) if wait_s is not None]
         ready, _, _ = select.select(
@@ -207,7 +211,7 @@ def main() -> None:
     host: End
     device: End
     if place.startswith("/"):
-        own, own_end = pty.openpty()  # the second stays open, so that a client may come and go
+        own, own_end = pty.openpty()  # the second end stays open, so that a client may come and go
         descriptor = os.open(place, os.O_RDWR | os.O_NOCTTY)
         for each in (own_end, descriptor):
             tty.setraw(each)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The netlist of a design is made once: GHDL takes two seconds, and these tests are of what follows."""
+"""Make the netlist of each design once.
+
+GHDL takes two seconds for one, and these tests are about the later steps.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a build says when the tools do not make a bitstream: fakes of nextpnr say what the real one does."""
+"""The messages of a build when the tools make no bitstream.
+
+Fakes of nextpnr print what the real one prints.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from unitylink.boards.report import forget
 from unitylink.errors import BoardError, ToolError, ValueRangeError
 from unitylink.resources import resource_folder
 
-pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the netlists
 
 SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
 FULL = """echo 'Info: Device utilisation:'
@@ -42,7 +45,7 @@ def program(folder: Path, name: str, script: str) -> None:
 
 @pytest.fixture
 def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
-    """A build whose yosys makes nothing, quickly."""
+    """A build with a fake yosys, which does nothing and is quick."""
     tools = tmp_path / "bin"
     tools.mkdir()
     program(tools, "yosys", "touch board.json\n")
@@ -133,7 +136,7 @@ def test_what_an_earlier_build_left_is_forgotten(tmp_path: Path) -> None:
 
 
 def test_a_board_with_an_ft245(order: Order, tmp_path: Path) -> None:
-    """The link's pins are the manifest's; the fakes do what the tools do when all goes well."""
+    """The pins of the link come from the manifest. The fakes do what the tools do when all goes well."""
     text = (resource_folder("boards") / "ice40-hx8k" / "board.toml").read_text(encoding="utf-8")
     names = ("rxf_n", "txe_n", "rd_n", "wr_n", "siwu_n")
     data = ", ".join(f'"F{bit}"' for bit in range(8))
@@ -167,7 +170,10 @@ touch board.config
 
 @pytest.fixture
 def synchronous(order: Order, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
-    """The same on a board whose FTDI chip gives a clock; fakes stand for the tools beside Python, too."""
+    """The same build for a board whose FTDI chip gives a clock.
+
+    Fakes also stand for the tools beside Python.
+    """
     monkeypatch.setattr("sys.executable", str(tmp_path / "bin" / "python"))
     program(tmp_path / "bin", "yowasp-ecppack", 'cp "$2" "$3"\n')
     return replace(order, board=load_board("ecp5-ft2232h"))

@@ -16,7 +16,7 @@ from unitylink.generate import SpecPlan, write
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import load
 
-pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the netlists
 
 SPEC = """
 public arm() {
@@ -86,7 +86,7 @@ public arm() {
 
 @pytest.mark.parametrize("pins", [("tripped=P1A1",), ()])
 def test_the_dead_man_on_a_pin(tmp_path: Path, pins: tuple[str, ...]) -> None:
-    """By a wish, or as the board has a pin for it; a word of that name is another."""
+    """On request, or because the board has a pin for it. A word of the same name is something else."""
     order = wanted(tmp_path, pins=(*pins, "tripped_2=BTN1"))
     Path(order.spec_file).write_text(SAFE, encoding="utf-8")
     spec = load(order.spec_file)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Projects for Vivado and Quartus: every source there is, the clock, a place for every pin."""
+"""Projects for Vivado and Quartus: they name every source, the clock and a place for every pin."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from unitylink.boards.two_way import with_pins
 from unitylink.cli import main
 from unitylink.gateware import Port, run_tool
 
-pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the netlists
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVO = str(ROOT / "examples" / "servo" / "servo.ul")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A figure is met when it reaches what was asked and nothing speaks against the number."""
+"""A figure is met when it reaches its limit and there is no complaint about the number."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_both_sides_are_measured_equally_often(rounds: int, count: int, ours: in
 
 
 def test_a_slow_second_does_not_move_the_ratio() -> None:
-    speed = iter([1, 1, 1, 1, 50, 50, 1, 1, 1, 1])  # both sides of one round are hit
+    speed = iter([1, 1, 1, 1, 50, 50, 1, 1, 1, 1])  # a slow moment hits both sides of one round
     result = in_turns(
         lambda n: [3 * s for s in [next(speed)] * n],
         lambda n: [2 * s for s in [next(speed)] * n],

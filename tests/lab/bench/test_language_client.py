@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A language server that hangs, ends or sends nonsense is an error for its client, and leaves no process."""
+"""If a language server hangs, ends or sends nonsense, its client gets an error and no process is left."""
 
 from __future__ import annotations
 

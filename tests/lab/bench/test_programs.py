@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bench's own programs do what the figures take for granted."""
+"""The bench's own programs do what the figures rely on."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Program = Callable[[str], Path]
 
 
 def crc8(data: bytes) -> int:
-    """Return the CRC-8 of the classic protocol, bit by bit."""
+    """Return the CRC-8 of the classic protocol, computed bit by bit."""
     remainder = 0
     for byte in data:
         remainder ^= byte
@@ -53,7 +53,7 @@ class Client:
         return line
 
     def ask(self, request: bytes) -> bytes:
-        """Send a request, return the reply; publishes in between are passed over."""
+        """Send a request and return the reply. Publishes in between are skipped."""
         os.write(self.descriptor, request + b"\n")
         while (line := self.line()).startswith((b"&", b"%")):
             pass
@@ -127,7 +127,7 @@ def test_uartbone_reads_back_what_was_written(program: Program) -> None:
         os.write(descriptor, bytes([2, 3]) + (0x88).to_bytes(4, "big"))
         assert read(12) == b"".join((0x40DE0088 + i).to_bytes(4, "big") for i in range(3))
         write = bytes([1, 2]) + (0x89).to_bytes(4, "big") + bytes(range(8))
-        for byte in write:  # in any chunking
+        for byte in write:  # cut into any chunks
             os.write(descriptor, bytes([byte]))
         os.write(descriptor, bytes([4, 2]) + (0x8A).to_bytes(4, "big"))
         assert read(8) == bytes([4, 5, 6, 7]) * 2
@@ -136,7 +136,7 @@ def test_uartbone_reads_back_what_was_written(program: Program) -> None:
 
 @contextmanager
 def answering(answers: list[bytes]) -> Iterator[int]:
-    """Serve one TCP client, an answer for each request line; the port."""
+    """Serve one TCP client with one answer for each request line. Return the port."""
     listener = socket.create_server(("127.0.0.1", 0))
 
     def serve() -> None:
@@ -197,7 +197,7 @@ def test_a_process_that_writes_much_on_stderr_goes_on_and_its_last_lines_are_tol
 def test_silence_tells_what_stood_on_stderr() -> None:
     script = "import os; os.write(2, b'waiting for the port\\n'); os.close(2); input()"
     with Process([sys.executable, "-c", script]) as process:
-        process._listener.join(30)  # to the end of its stderr
+        process._listener.join(30)  # wait for the end of its stderr
         with pytest.raises(Silence, match="said nothing for 0 s; on stderr: waiting for the port"):
             process.line(patience_s=0.01)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run of the bench: what it does with a figure that cannot be measured, or that there is not."""
+"""A run of the bench: what it does if a figure cannot be measured, or does not exist."""
 
 from __future__ import annotations
 

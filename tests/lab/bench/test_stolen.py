@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the host of a virtual machine took stands beside every figure."""
+"""The time that the host of a virtual machine took away stands beside every figure."""
 
 from __future__ import annotations
 

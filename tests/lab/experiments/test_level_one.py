@@ -37,7 +37,7 @@ def test_a_read_of_many_words_costs_what_the_simulation_said(words: int) -> None
 @pytest.mark.parametrize("exchange", [framed_read(), framed_write(), framed_post()], ids=lambda e: e.name)
 def test_no_two_framed_requests_are_a_repeat(exchange: Exchange) -> None:
     frames = exchange.burst(300)
-    assert len(set(frames.split(b"\0"))) == 301  # an empty piece behind the last
+    assert len(set(frames.split(b"\0"))) == 301  # there is an empty piece after the last border
     assert exchange.request_bytes == frames.index(b"\0") + 1
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The model of the chip does what its assumptions say, and the paper's low-level figures follow from them."""
+"""The model of the chip does what its assumptions say. The paper's low-level figures follow from them."""
 
 from __future__ import annotations
 

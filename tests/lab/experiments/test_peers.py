@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The wire before a device counts and spoils. Ours is tried on it here; LiteX by `make experiments`."""
+"""The wire before a device counts bytes and makes faults.
+
+Our side is tried on it here. `make experiments` tries LiteX.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,7 @@ def test_each_kind_of_wire_has_one_of_ours_that_the_others_are_over() -> None:
     assert set(peers.FIRST.values()) <= peers.OURS.keys()
     assert peers.OURS.keys() | peers.THEIRS.keys() > peers.DATAGRAMS
     figures = peers._figures([[20, 40], [30, 30]], [[10, 10], [20, 20]])
-    assert figures["ratio"] == pytest.approx(2.25)  # within each round: 3 and 1.5
+    assert figures["ratio"] == pytest.approx(2.25)  # the ratios within each round are 3 and 1.5
 
 
 def test_what_is_not_here_is_told(tmp_path: Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The committed page is what the committed results give, and these have every cell of the paper's table."""
+"""The committed page follows from the committed results. These have every cell of the paper's table."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_the_committed_figures_are_what_the_model_says_today() -> None:
 
 
 def test_a_cause_moves_its_cell_towards_the_paper_or_is_not_called_one() -> None:
-    """The model with the cause changed is computed anew: a text alone explains nothing."""
+    """The model is computed again with the change, because a text alone explains nothing."""
     cost = SoftwareCost(**RESULTS["software_cost"])
     figures, changed = model_figures(cost), ablations(cost)
 
@@ -129,7 +129,7 @@ def test_the_report_of_a_run_is_written_whole(tmp_path: Path) -> None:
 
 
 def test_the_cost_of_software_is_the_median_of_its_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock in which the calls of each kind cost 1 us, 2 us ... in their order."""
+    """It uses a clock by which the calls of each kind cost 1 us, 2 us ... in their order."""
     costs, taken = iter([1, 2, 3, 4, 5, 6] * 3), []
 
     def thread_s(call: Callable[[], object], count: int) -> float:
@@ -143,7 +143,7 @@ def test_the_cost_of_software_is_the_median_of_its_rounds(monkeypatch: pytest.Mo
 
 
 def calls_of_a_read(registers: int) -> int:
-    """Return how many calls Python makes for 50 reads by name in a spec with so many registers."""
+    """Return how many calls Python makes for 50 reads by name in a spec with `registers` registers."""
     calls = 0
 
     def count(_frame: object, event: str, _argument: object) -> None:
@@ -198,7 +198,7 @@ def test_every_bullet_of_the_readme_that_claims_something_is_covered() -> None:
     section = readme.partition("## Now with your board")[2].partition("\n## ")[0]
     bullets = [" ".join(part.split()) for part in section.split("\n- ")[1:]]
     covered = [" ".join(claim.words.split()) for claim in CLAIMS]
-    # no claims of quality
+    # these bullets claim no quality
     told_how = ("The device tells its widths", "`tcp://` and `udp://` lead", "`unitylink generate SPEC")
     missing = [
         bullet

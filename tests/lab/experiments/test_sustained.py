@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The measurement of publishes tells a stack that takes all from one that does not."""
+"""The measurement of publishes distinguishes a stack that takes all from one that does not."""
 
 from __future__ import annotations
 

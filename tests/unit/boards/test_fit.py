@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What makes a design smaller: only what helps is said, with the figures of the record."""
+"""What makes a design smaller: a message names only what helps, with the figures of the record."""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writing a bitstream: the right program, called rightly, and what is said where that cannot be."""
+"""Writing a bitstream: the right program is called with the right arguments.
+
+If that is impossible, the message says why.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from unitylink.errors import BoardError, ToolError
 
 @pytest.fixture
 def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder as `unitylink build` leaves it, and a PATH with nothing on it."""
+    """A folder as `unitylink build` leaves it, and a PATH with no program."""
     (tmp_path / "bin").mkdir()
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     folder = tmp_path / "servo-icebreaker"

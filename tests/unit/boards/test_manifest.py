@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Manifests: those that come along are whole, and every mistake in one is told with its key."""
+"""Manifests: those of the package are complete, and every mistake in one is reported with its key."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Block RAMs are counted in the netlist, and a chip with too few is refused with the sum."""
+"""Block RAMs are counted in the netlist. A chip with too few is refused, with the sum."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ports to pins: by wish, by name, and everything that cannot be."""
+"""Ports to pins: by request, by name, and every request that is impossible."""
 
 from __future__ import annotations
 

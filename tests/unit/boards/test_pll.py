@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""PLL dividers: within the chip's limits, and those of the chip's own tool."""
+"""PLL dividers: they are within the chip's limits, and as good as those of the chip's own tool."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def numbers(text: tuple[tuple[str, str], ...]) -> dict[str, int]:
 
 @pytest.mark.parametrize(("in_mhz", "out_mhz"), [(12, 24), (12, 48), (12, 60), (100, 33), (16, 50)])
 def test_ice40_is_as_good_as_icepll(in_mhz: int, out_mhz: int) -> None:
-    """icepll's frequency is reached; the same dividers are as good as any."""
+    """The frequency is the same as icepll's. Other dividers may give it, too."""
     said = subprocess.run(
         ["icepll", "-i", str(in_mhz), "-o", str(out_mhz)],
         capture_output=True,

@@ -30,7 +30,7 @@ def greeting() -> bytes:
 
 
 def said(*parts: tuple[str, bytes]) -> list[CaptureMessage]:
-    """What a session says in which these bytes follow its opening."""
+    """Return the messages of a session in which these bytes follow its opening."""
     opening = [
         (">", b"\0" + Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()),
         ("<", greeting()),

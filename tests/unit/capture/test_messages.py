@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages: what a capture says, whatever the packets it came in."""
+"""The messages in a capture, whatever the packets in which they came."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_publishes_have_the_names_their_group_was_given() -> None:
 
 
 def test_a_capture_of_anything_is_read_to_its_end() -> None:
-    """Requests without their data, configurations that no device has: what is damaged is shown as it is."""
+    """Requests without their data, configurations that no device has: a damaged message is shown as it is."""
     said = meanings(
         (">", b"#RM\n#RM:\n#WSA\n#WSA:00\n#WSR\n#RSI\n#WIC\n"), ("<", b"#CNF:01,54,20,02,03e8,02,10,02\n")
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Captures: written by either writer, read whole, cut off and damaged."""
+"""Captures of either writer: read whole, cut off and damaged."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PACKETS = st.lists(
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder for all examples: to make one for each takes longer than the rest of the test."""
+    """Return one folder for all examples. Making one for each takes longer than the rest of the test."""
     return tmp_path_factory.mktemp("capture")
 
 
@@ -155,4 +155,4 @@ def test_a_trace_whose_disk_fills_up_ends_whole_and_warns_at_the_end(lamp: str, 
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, ignored)
     assert 0 < path.stat().st_size <= 1000
-    list(read_packets(path))  # whole: no CaptureTruncated
+    list(read_packets(path))  # it is whole, so there is no CaptureTruncated

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What only some commands need: named with the command that installs it, and all of it in one extra."""
+"""A package that only some commands need: the message names the command that installs it.
+
+One extra has all of these.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ EXTRAS = re.search(
     re.M | re.S,
 )
 
-# package as it is imported -> (its name, a command that needs it)
+# name in an import -> (name of the package, a command that needs it)
 NEEDED = {
     "mcap": ("mcap", ["record", "sim:arm.ul", "--out", "arm.mcap", "--count", "1"]),
     "matplotlib": ("matplotlib", ["plot", "arm.csv", "--out", "arm.png"]),

@@ -54,7 +54,10 @@ def faults(text: str) -> tuple[int, int, int]:
 
 
 def test_fixes_never_make_a_text_worse() -> None:
-    """Over wrong examples and texts with random damage: fewer mistakes, or not a character changed."""
+    """The mistakes get fewer, or the text stays the same.
+
+    This is tried on wrong examples and on texts with random damage.
+    """
     chance = random.Random(4)
     texts = [explain(code).wrong for code in CODES if explain(code).wrong]
     for _ in range(120):

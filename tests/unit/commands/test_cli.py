@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The group: its commands, their help, and how errors leave."""
+"""The command group: its commands, their help, and the output of errors."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def examples() -> list[str]:
 
 
 def test_every_example_is_right_usage() -> None:
-    """Options and arguments of all that help and documents tell to type are taken; nothing is run."""
+    """Every command line in a help text or a document has valid options and arguments. Nothing is run."""
     lines = examples()
     assert len(lines) > 100
     for line in lines:

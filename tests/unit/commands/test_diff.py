@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink diff`: every kind of difference, which of them break, and what is none."""
+"""`unitylink diff`: every kind of difference, which of them break something, and what is no difference."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_layout_order_and_comments_are_no_difference() -> None:
 
 
 def _typed(kind: ValueType) -> Spec:
-    """A spec whose one element has a type of our own making."""
+    """Return a spec with one element of the given type."""
     spec = spec_of("public a() { @x = 0x1: READ(); }")
     (root,) = spec.roots
     return replace(spec, roots=(replace(root, members=(replace(root.elements[0], type=kind),)),))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink explain`. (That every code has a true page: tests/unit/spec/test_codes.py)"""
+"""`unitylink explain`.
+
+(tests/unit/spec/test_codes.py tests that every code has a page, and that it is true)
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What somebody types on the first day, and what is said to it."""
+"""What a user types on the first day, and the messages for it."""
 
 from __future__ import annotations
 

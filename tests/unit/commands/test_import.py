@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink import`: what comes out is the same map, held against SystemRDL's own tree."""
+"""`unitylink import`: the result is the same map, compared with SystemRDL's own tree."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unitylink.spec import Element, Spec, compile_text, format_text
 
 UART = Path(__file__).parent / "rdl" / "uart.rdl"
 
-# Wide words, nested address maps, names that are words of ours, and 16-bit registers.
+# Wide words, nested address maps, names that are keywords of UL-spec, and 16-bit registers.
 OTHERS = {
     "nested": """
         regfile pair {
@@ -139,7 +139,7 @@ WRONG = {
     "not text": ("\udcff", "not UTF-8"),
     "what the compiler itself ends at": (
         UART.read_text("utf-8").replace("fast = 2'd1", "fast =,;1"),
-        "cannot be read|does not compile as SystemRDL",  # its C++ half looks at memory that it never wrote
+        "cannot be read|does not compile as SystemRDL",  # its C++ half reads memory that it never wrote
     ),
 }
 

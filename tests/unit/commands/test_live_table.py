@@ -61,7 +61,7 @@ def test_names_and_values_stay_whole_on_a_narrow_terminal(width: int) -> None:
 
 
 class Reported(Publisher):
-    """A publisher that says at which rates values should come."""
+    """A publisher that reports the rates at which values should come."""
 
     def __init__(self, **rates_hz: float) -> None:
         super().__init__()

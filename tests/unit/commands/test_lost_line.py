@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`watch` and `record` over a line that is lost: they tell, and go on."""
+"""`watch` and `record` on a line that is lost: they report it and go on."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The language server as an editor meets it: a process, spoken to on its standard input and output."""
+"""The language server as an editor uses it: a process with messages on its standard input and output."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ def workspace(tmp_path: Path) -> Path:
 
 
 def renamed(server: LanguageClient, folder: Path, at: tuple[str, str], new_name: str) -> dict[str, str]:
-    """Open a file, rename what stands there; return the texts that change, by name."""
+    """Open a file and rename what stands at `at`. Return the texts that change, by name."""
     file, what = at
     text = (folder / file).read_text("utf-8")
     uri = (folder / file).as_uri()
@@ -268,7 +268,8 @@ def test_rename_where_a_name_is_declared_reaches_those_who_import_it(
 ) -> None:
     for path in [workspace / "left.ul", workspace / "right.ul", workspace / "other.ul"]:
         text = path.read_text("utf-8").replace("parts/joint.ul", "joint.ul")
-        (workspace / "parts" / path.name).write_text(text, "utf-8")  # the folder of the file is the workspace
+        # the folder of the file becomes the workspace
+        (workspace / "parts" / path.name).write_text(text, "utf-8")
     texts = renamed(server, workspace / "parts", ("joint.ul", "joint(n)"), "axis")
     assert set(texts) == {"left.ul", "right.ul", "joint.ul"}
 
@@ -286,7 +287,8 @@ def test_rename_is_refused_where_another_spec_would_be_wrong(server: LanguageCli
 def test_rename_sees_what_the_editor_has_not_saved(server: LanguageClient, workspace: Path) -> None:
     joint = workspace / "parts" / "joint.ul"
     uri = joint.as_uri()
-    server.open(uri, "\n\n" + joint.read_text("utf-8"))  # two lines further down than on the disk
+    # in the editor, the text is two lines further down than on the disk
+    server.open(uri, "\n\n" + joint.read_text("utf-8"))
     try:
         text = (workspace / "left.ul").read_text("utf-8")
         ours = (workspace / "left.ul").as_uri()
@@ -333,8 +335,11 @@ def test_hostile_texts_and_places_are_answered(client: LanguageClient) -> None:
 @given(data=st.data())
 @settings(max_examples=60, deadline=None)
 def test_any_damaged_text_is_answered(data: st.DataObject) -> None:
-    """While one types, most texts are wrong: whatever is asked of them, there is an answer or none."""
-    from pygls.workspace import PositionCodec  # which takes long: in one worker only
+    """While a user types, most texts are wrong.
+
+    Whatever the editor asks about them, the server answers, if only with nothing.
+    """
+    from pygls.workspace import PositionCodec  # this takes long, so only one worker imports it
 
     text = data.draw(st.sampled_from([SCARA, ARM]))
     start = data.draw(st.integers(0, len(text)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A program ends with a line and a code, whatever ends it."""
+"""A program always ends with one line and an exit code, whatever ends it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_code_is_that_of_main(code: int) -> None:
     assert ended.value.code == code
 
 
-@pytest.mark.parametrize("options", [[], ["-u"]])  # without -u the pipe is first written to at the end
+@pytest.mark.parametrize("options", [[], ["-u"]])  # without -u, the pipe is written to only at the end
 def test_a_reader_that_goes_away_is_no_error(options: list[str]) -> None:
     command = [sys.executable, *options, EXAMPLES / "servo" / "run.py"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

@@ -50,7 +50,7 @@ def test_a_recording_is_in_order_has_the_set_points_and_no_digits_that_nobody_wr
     link: str, tmp_path: Path, ending: str
 ) -> None:
     path = tmp_path / f"arm.{ending}"
-    # A busy machine may lose some of what is read at this rate: then it ends with 1, having told so.
+    # At this rate, a busy machine may lose some of the values. Then the command reports it and ends with 1.
     assert main(["record", link, "--out", str(path), "--rate", "300", "--count", "150"]) in (0, 1)
     found = list(samples(path))
     assert [one.time_s for one in found] == sorted(one.time_s for one in found)

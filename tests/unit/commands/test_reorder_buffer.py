@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Samples in the order of their times, whatever they come in."""
+"""Samples come out in the order of their times, whatever the order in which they come in."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ HOLD_S = 1.0
 
 
 @given(
-    st.lists(st.tuples(st.floats(0, 10), st.floats(0, HOLD_S)), max_size=50),  # a time, and how late it comes
-    st.lists(st.floats(0, 10), max_size=20),  # when somebody looks
+    st.lists(st.tuples(st.floats(0, 10), st.floats(0, HOLD_S)), max_size=50),  # (time, delay of its arrival)
+    st.lists(st.floats(0, 10), max_size=20),  # the times at which samples are taken out
 )
 def test_what_is_no_later_than_held_back_comes_in_order_and_is_whole(
     things: list[tuple[float, float]], looks: list[float]

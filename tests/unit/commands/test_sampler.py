@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How samples are handed out that are gathered for a while."""
+"""How gathered samples are handed out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MANY = 500
 
 
 def test_what_one_sleep_gathers_is_handed_out_without_another(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A sleep for each sample let `record` fall behind whatever was faster than 50 Hz."""
+    """One sleep for each sample made `record` fall behind everything that was faster than 50 Hz."""
     slept: list[float] = []
     with (
         Board() as board,
@@ -24,7 +24,7 @@ def test_what_one_sleep_gathers_is_handed_out_without_another(monkeypatch: pytes
         Sampler(link, Names(None).find(["0x20"]), rate_hz=1, gather_s=0.02) as sampler,
     ):
         monkeypatch.setattr(time, "sleep", slept.append)
-        for _ in range(MANY):  # as the thread of the publishes does
+        for _ in range(MANY):  # the thread of the publishes does the same
             sampler._take(link.now_s(), (), (), ())
         assert len([sample for sample in sampler.samples(count=MANY) if sample is not None]) == MANY
     assert len(slept) <= 1

@@ -21,7 +21,7 @@ from unitylink.spec import compile_text, load
 
 
 class Still:
-    """A plant that moves nothing."""
+    """A plant in which nothing moves."""
 
     period_s = 0.001
 
@@ -29,7 +29,7 @@ class Still:
         """Need nothing."""
 
     def step(self, time_s: float) -> None:
-        """Leave all as it is."""
+        """Change nothing."""
 
 
 SPEC = """
@@ -63,7 +63,7 @@ def test_with_names_what_they_say_but_what_reading_changes_only_by_its_own() -> 
 
 
 class HalfDumb:
-    """A link whose device lets some words not be read back."""
+    """A link whose device does not let some words be read back."""
 
     url = "sim:arm.ul"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a typed line becomes, and what it may become."""
+"""What `term` sends for a typed line, and what a typed line may be."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ NAMES = Names(SPEC.spec)
         ("#R:j.pos", "#R:0088"),
         ("#RM:02 j.pos, j.target", "#RM:020088008C"),
         ("$R:12", "$R:12*58"),
-        ("$R:12*00", "$R:12*00"),  # a checksum that was typed stays: it may be wrong on purpose
+        ("$R:12*00", "$R:12*00"),  # a typed checksum is kept, because it may be wrong on purpose
         ("#W:j.target 0000000A", "#W:008C0000000A"),
-        ("$r:1e", "$r:1e*D2"),  # small letters are other bytes, and are sent as they are
+        ("$r:1e", "$r:1e*D2"),  # lower-case letters are other bytes, and are sent unchanged
         ("nonsense", "nonsense"),
         ("$R:1", "$R:1"),
     ],

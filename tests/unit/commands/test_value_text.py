@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Engineering values on the command line: units, names, fields, and what is never read unasked."""
+"""Engineering values on the command line: units, names, fields, and words that are never read without a
+request.
+"""
 
 from __future__ import annotations
 

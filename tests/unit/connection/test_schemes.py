@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One table says which link URLs there are; everything that opens one goes by it."""
+"""One table has all kinds of link URL. Everything that opens a link uses it."""
 
 from __future__ import annotations
 
@@ -56,6 +56,6 @@ def test_a_row_is_all_a_new_scheme_needs(monkeypatch: pytest.MonkeyPatch) -> Non
     with open_driver("spare:one?window=3") as driver:
         driver.send(b"#R:0010\n")
     assert len(made) == 3
-    for board in made:  # all of them were closed, the one of the mistaken URL too
+    for board in made:  # all of them were closed, also the one of the wrong URL
         with pytest.raises(LinkClosed):
             _ = board.url

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CONTRIBUTING.md is true: its map has every folder, and what its recipes ask for is what the code has."""
+"""CONTRIBUTING.md is true: its map has every folder, and the code has what the recipes ask for."""
 
 from __future__ import annotations
 
@@ -24,12 +24,15 @@ def section(title: str) -> str:
 
 
 def has(name: str, told: str) -> bool:
-    """Tell whether `told` has `name` as a word; what is made of it counts too: `open_spi`, `--spi`."""
+    """Tell whether `told` has `name` as a word. A word made of it counts too: `open_spi`, `--spi`."""
     return re.search(rf"(?<![A-Za-z]){name}(?![a-z])", told) is not None
 
 
 def files_of(recipe: str) -> list[tuple[str, str]]:
-    """Return (model, path) of each file that the steps name; a step that says `as X does` has a model X."""
+    """Return (model, path) of each file that the steps name.
+
+    A step with the words `as X does` has the model X.
+    """
     told = section(recipe)
     (model,) = re.findall(r"[Tt]he model is `(\w+)`", told)
     found = []
@@ -61,7 +64,7 @@ def test_the_model_stands_in_every_file_of_its_recipe(recipe: str) -> None:
 
 
 def test_a_scheme_touches_at_most_8_files() -> None:
-    """And no other source knows the model: its row is where messages, options and `connect` have it from."""
+    """No other source knows the model, because messages, options and `connect` read its row."""
     recipe = section("Add a link scheme")
     files = {path for _, path in files_of("Add a link scheme")} | set(re.findall(r"`(\w+\.yml)`", recipe))
     assert 5 <= len(files) <= 8, files

@@ -43,7 +43,7 @@ def test_the_navigation_has_the_four_kinds() -> None:
     assert list(nav) == ["Start", *KINDS]
     pages = [page for kind in nav.values() for page in kind]
     assert len(pages) > 50 and len(pages) == len(set(pages)), "a page twice"
-    there = (page for page in pages if not page.startswith("docs/reference/"))  # which is made
+    there = (page for page in pages if not page.startswith("docs/reference/"))  # pages that are generated
     assert not [page for page in there if not (ROOT / page).is_file()]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The options of a link that the error names are those that the pages name, with the defaults they have."""
+"""The error message names the same options of a link as the pages. The defaults are the same, too."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def anchors(page: Path) -> set[str]:
 
 
 def pages() -> list[tuple[str, str]]:
-    """Return the name and the text of every page, without what is fenced."""
+    """Return the name and the text of every page, without fenced blocks."""
     found = [(str(page), FENCE.sub("", (ROOT / page).read_text("utf-8"))) for page in files((".md",))]
     assert len(found) > 250
     return found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every file of this checkout that a page names in code type is there."""
+"""Every file of this checkout that a page names in code type exists."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FOLDERS += ("src", "tests", "tools")
 PAGES = sorted(page for folder in (".", *FOLDERS) for page in (ROOT / folder).glob("*.md"))
 PAGES += sorted((ROOT / "docs" / "gateware").glob("*.md"))
 NAMED = re.compile(rf"`((?:{'|'.join(FOLDERS)})/[\w./*-]+)`")
-LATER = {  # what is not of this checkout: files that the reader makes, those of a generated package
+LATER = {  # files that are not in this checkout: the reader makes them, or they belong to a generated package
     "docs/gateware/testing.md": {"gateware/test/blinker_tb.vhd"},
     "docs/ros.md": {"src/ros2_control.cpp", "src/node.cpp"},
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pictures of the documents show what the links, the boards and the captures of today say."""
+"""The pictures of the documents show the present links, boards and captures."""
 
 from __future__ import annotations
 

@@ -10,24 +10,27 @@ from typing import NamedTuple
 
 import pytest
 
-# At the end: tools/docs has a reference.py too, which must not stand before tests/reference/.
+# Last, because tools/docs has a reference.py too, which must not hide tests/reference/.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "tools" / "docs"))
 
 import plain
 
 ROOT = Path(__file__).resolve().parents[3]
 
-FEW = 8  # sentences of a file that may be longer
+FEW = 8  # a file with at most so many sentences may have longer ones
 
 
 class Ceilings(NamedTuple):
-    """What the sentences may have. Lower it when the texts got plainer, never raise it."""
+    """The limits of the sentences of one kind.
+
+    Lower a limit when the texts have become plainer. Never raise one.
+    """
 
     folders: tuple[str, ...]
     mean: float  # words
-    file_mean: float  # words, of a file with more than a few sentences
-    semicolons: float  # share of the sentences
-    least: int  # sentences there are
+    file_mean: float  # words, in a file with more than a few sentences
+    semicolons: float  # share of the sentences that have one
+    least: int  # the least number of sentences that the measurement must find
 
 
 CEILINGS = {

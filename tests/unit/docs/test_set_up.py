@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A page that has its reader run pytest says what brings it: neither `make demo` nor `make build` does."""
+"""A page that asks its reader to run pytest says how to install it.
+
+Neither `make demo` nor `make build` does.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ ABOVE = ("tests/golden/", "tests/unit/")  # tests/README.md says it for these
 
 
 def asking() -> set[str]:
-    """Return the pages that have their reader run pytest."""
+    """Return the pages that ask their reader to run pytest."""
     pages = {str(page) for page in files((".md",)) if COMMAND.search(text(page))}
     return {page for page in pages if not page.startswith(ABOVE)}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What pages show of commands and of Python is what these say: transcripts, and `# ->` in examples."""
+"""The output that pages show is the real one: transcripts of commands, and `# ->` in examples of Python."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def stable(line: str) -> str:
 
 
 def shows(block: str, output: list[str]) -> None:
-    """`…` and a line `...` stand for what the page leaves out at their end."""
+    """`…` and a line `...` stand for what the page leaves out."""
     shown = block.splitlines()
     whole = shown[-1] != "..."
     shown = shown if whole else shown[:-1]
@@ -63,9 +63,9 @@ def test_a_captured_read(capfd: pytest.CaptureFixture[str]) -> None:
     framed, classic = (text for language, text in fences if not language)
     said(capfd, read)
     shows(framed, said(capfd, decode))
-    Path("scara.pcapng").unlink()  # which is not overwritten
+    Path("scara.pcapng").unlink()  # an existing file would not be overwritten
     said(capfd, read.replace("trace=", "protocol=classic&trace="))
-    shows(classic, said(capfd, decode)[2:])  # behind the fence
+    shows(classic, said(capfd, decode)[2:])  # the page shows the lines after its code block
 
 
 EXAMPLES = [("budget.md", 0), ("rtl-simulation.md", 1), ("gateware/isochrony.md", 0), ("model-json.md", 0)]
@@ -76,7 +76,7 @@ EXAMPLES += [("mapped-memory.md", 0), ("ul-spec.md", 0)]
 def test_an_example_in_python(page: str, number: int, capfd: pytest.CaptureFixture[str]) -> None:
     Path("scara.ul").symlink_to("examples/scara/scara.ul")
     said(capfd, "unitylink generate scara.ul --out . --only json")
-    Path("registers.bin").write_bytes(bytes(64))  # in place of a UIO device, which few machines have
+    Path("registers.bin").write_bytes(bytes(64))  # a file in place of a UIO device, which few machines have
     text = (DOCS / page).read_text("utf-8").replace("mmap:/dev/uio0", "mmap:registers.bin")
     block = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)[number]
     exec(compile(block, page, "exec"), {"__name__": "__main__"})

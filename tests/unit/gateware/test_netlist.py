@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""netlist(): sources of one's own, generics, and what it says when something is wrong."""
+"""netlist(): the user's own sources, generics, and the messages when something is wrong."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_ghdls_own_message_is_passed_on(tmp_path: Path) -> None:
 
 
 def test_wrong_logic_is_refused(tmp_path: Path) -> None:
-    """GHDL warns that it drops a choice with a don't-care, and goes on."""
+    """GHDL warns that it ignores a choice with a don't-care, and goes on."""
     source = SMALL.read_text().replace("case choice is", "case? choice is").replace("end case;", "end case?;")
     (tmp_path / "small.vhd").write_text(source.replace('"01"', '"-1"').replace('"00"', '"10"'))
     with pytest.raises(ToolError, match="would not do what the source does"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What GHDL 2.0 leaves out of small.vhd, and what is put back; the effect is shown in tests/gateware."""
+"""What GHDL 2.0 leaves out of small.vhd, and how it is put back. tests/gateware shows the effect."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_every_form_of_a_value() -> None:
 
 
 def test_the_same_net_name_in_two_modules() -> None:
-    """GHDL numbers nets for each design, but a signal's own name comes again in the next module."""
+    """GHDL numbers nets for each design, but the name of a signal can come again in the next module."""
     verilog = "".join(
         f"module {name}\n    case (a)\n      2'b10: sum <= b;\n    endcase\n" for name in ("top", "part_8")
     )
@@ -107,7 +107,10 @@ def test_constant_of_no_bits() -> None:
 
 
 def test_constants_that_ghdl_makes_zero(tmp_path: Path) -> None:
-    """No repair: it is lost before anything is printed. The gateware avoids it (register_slave.vhd)."""
+    """This cannot be repaired, because it is lost before anything is printed.
+
+    The gateware avoids it (register_slave.vhd).
+    """
     source = SMALL.read_text().replace("39 downto 0", "63 downto 0")
     source = source.replace('x"123456789A"', 'x"8000000100000000"').replace(
         'x"FEDCBA9876"', 'x"8000000100000001"'

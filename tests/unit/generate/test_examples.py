@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The examples run, and what is generated from their specs is what lies beside them."""
+"""The examples run. The files that stand beside their specs are those that are generated from them."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def test_scara_proxies_are_up_to_date() -> None:
 
 
 def test_scara_judges_itself(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """A run that ends elsewhere, or in which a joint never moved, is not a success."""
+    """A run that ends elsewhere, or in which a joint never moved, counts as a failure."""
     import numpy as np
 
     monkeypatch.syspath_prepend(str(EXAMPLES / "scara"))
-    # by its path: every example has a run.py, and another test may have imported its own
+    # loaded by its path, because every example has a run.py and another test may have imported one
     found = importlib.util.spec_from_file_location("scara_run", EXAMPLES / "scara" / "run.py")
     assert found is not None and found.loader is not None
     example = importlib.util.module_from_spec(found)

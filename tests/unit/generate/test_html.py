@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The register map, run in a JavaScript engine with the little of a browser that dom.js gives it."""
+"""The register map runs in a JavaScript engine. dom.js gives it the few parts of a browser that it needs."""
 
 from __future__ import annotations
 
@@ -90,7 +90,10 @@ def test_search(scara: quickjs.Context, words: str) -> None:
 
 
 def test_boxes_convert_both_ways(scara: quickjs.Context) -> None:
-    """Signed words: each box follows the other, bits can be clicked, nonsense is told and changes nothing."""
+    """Signed words: each box follows the other, and bits can be clicked.
+
+    Nonsense is reported and changes nothing.
+    """
     assert ask(scara, "boxes('j1.cpos').map((box) => box.value)") == ["0x00000000", "0"]
     ask(scara, "type(boxes('j1.cpos')[1], '-2') ?? 0")
     assert ask(scara, "boxes('j1.cpos')[0].value") == "0xFFFFFFFE"
@@ -110,20 +113,21 @@ def arm() -> quickjs.Context:
 
 
 def test_fields_enumerations_and_units_convert(arm: quickjs.Context) -> None:
-    """Packed bits: the raw box and a box for each field; the word is put together from all."""
+    """Packed bits: there is a raw box and a box for each field. The word is put together from all of them."""
     values = "boxes('j[1].state').map((box) => box.value)"
     assert ask(arm, values) == ["0x0000", "false", "idle", "0", "0"]
     ask(arm, "type(boxes('j[1].state')[2], 'stop') ?? 0")
     ask(arm, "type(boxes('j[1].state')[3], '-2.5') ?? 0")
     assert ask(arm, values) == ["0x0FB6", "false", "stop", "-2.5", "0"]
     ask(arm, "type(boxes('j[1].state')[0], '0x1005') ?? 0")
-    assert ask(arm, values) == ["0x1005", "true", "", "0", "1"]  # 2 is no mode: told, not shown as another
+    # 2 is no mode, so it is reported and not shown as another one
+    assert ask(arm, values) == ["0x1005", "true", "", "0", "1"]
     assert ask(arm, "boxes('j[1].state')[2].classList.contains('wrong')")
     assert ask(arm, "boxes('j[0].torque').map((box) => box.value)") == ["0x0000", "0"]
     ask(arm, "type(boxes('j[0].torque')[1], '50 N m') ?? 0")
-    assert ask(arm, "boxes('j[0].torque')[0].value") == "0x1400"  # saturates at 20
+    assert ask(arm, "boxes('j[0].torque')[0].value") == "0x1400"  # the value saturates at 20
     assert "-20 to 20 N m, saturates" in ask(arm, "opened('j[0].torque').textContent")
-    assert ask(arm, "boxes('gain').map((box) => box.value)") == ["0x3FC00000", "1.5"]  # begins at INITIAL
+    assert ask(arm, "boxes('gain').map((box) => box.value)") == ["0x3FC00000", "1.5"]  # it starts at INITIAL
 
 
 def test_everything_of_the_language_is_shown(arm: quickjs.Context) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The register map's boxes and the library convert alike: codec.js against unitylink.values."""
+"""The register map's boxes and the library convert alike: codec.js is compared with unitylink.values."""
 
 from __future__ import annotations
 
@@ -115,14 +115,14 @@ def told(value: Any) -> dict[str, Any]:
 
 
 def numbers(said: dict[str, Any]) -> dict[str, Any]:
-    """Give reals as exact doubles, whichever way they were written; a NaN as text, -0 as 0."""
+    """Return reals as exact doubles, however they were written. A NaN becomes a text, and -0 becomes 0."""
     if "fields" in said:
         return {name: numbers(one) for name, one in said["fields"].items()}
     return {"real": str(float(said["real"]) + 0.0)} if "real" in said else said
 
 
 def quantities(chance: random.Random, kind: ValueType) -> list[Quantity]:
-    """Return a plain quantity and, for numbers, some with scale, limits and policies."""
+    """Return a plain quantity. For numbers, also return some with scale, limits and policies."""
     found = [Quantity(kind)]
     if kind.numeric:
         for _ in range(6):
@@ -156,7 +156,7 @@ def test_both_sides_decode_alike(engine: quickjs.Context) -> None:
 
 
 def drawn_numbers() -> Iterator[tuple[ValueType, Quantity, random.Random]]:
-    """Yield each numeric type with its quantities, and chance for what is drawn with them."""
+    """Yield each numeric type with its quantities, and the random source for values of them."""
     for kind in (kind for kind in TYPES if kind.numeric):
         chance = random.Random(kind.text)
         for quantity in quantities(chance, kind):
@@ -164,14 +164,15 @@ def drawn_numbers() -> Iterator[tuple[ValueType, Quantity, random.Random]]:
 
 
 def test_both_sides_encode_numbers_alike(engine: quickjs.Context) -> None:
-    """At the limits, one step beside them, between two steps, far away, and what decoding gave."""
+    """Values at the limits, one step beside them, between two steps, far away, and results of decoding."""
     for kind, quantity, chance in drawn_numbers():
         sides = Sides(engine, quantity)
         low, high = sides.python.minimum, sides.python.maximum
         step = abs(quantity.scale) / (1 << kind.fraction)
         values = [low, high, low - step, high + step, 0, 1, -1, 10**30]
         decoded = [sides.python.decode(raw) for raw in raws(chance, kind)]
-        values += [value for value in decoded if not math.isnan(value)]  # which NaN it is, no text says
+        # a text does not tell which NaN it is
+        values += [value for value in decoded if not math.isnan(value)]
         if quantity.scaled or kind.kind == "float":
             values += [
                 low + 0.5 * step,

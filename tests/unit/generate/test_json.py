@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The model as JSON: as the schema says, whole, and the same for the same spec."""
+"""The model as JSON: it fits the schema, is complete, and is the same for the same spec."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def elements(instance: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def test_the_schema_describes_every_member() -> None:
-    """Whoever adds a member to the export has to say in the schema what it is."""
+    """A new member of the export needs a description in the schema."""
     for name, definition in {"model": SCHEMA, **SCHEMA["$defs"]}.items():
         if definition.get("type") == "object" and "properties" in definition:
             assert definition["additionalProperties"] is False, name

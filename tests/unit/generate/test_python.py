@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Generated proxies: golden, clean, refused when stale, and the same tree as without a file."""
+"""Generated proxies: equal to the golden files, clean, refused if stale, the same tree as without a file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _serial = count()
 
 
 def golden(spec: Path) -> Path:
-    """Where the expected text stands: beside an example that ships it, else in tests/golden."""
+    """Return the file with the expected text. It is beside an example that ships it, else in tests/golden."""
     beside = spec.with_name(f"{module_name(spec.stem)}.py")
     return beside if beside.exists() else GOLDEN / beside.name
 
@@ -52,7 +52,7 @@ def imported(path: Path) -> ModuleType:
     spec = importlib.util.spec_from_file_location(f"generated_{next(_serial)}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules[module.__name__] = module  # dataclasses look there for what annotations mean
+    sys.modules[module.__name__] = module  # dataclasses look up annotations there
     spec.loader.exec_module(module)
     return module
 
@@ -68,13 +68,13 @@ def test_golden(path: Path) -> None:
     assert text == generate_python(load(path))[name], "the same spec gives the same text"
 
 
-# A strict mypy without our settings. It takes over what `make check` has found out about the library.
+# A strict mypy without our settings. It reuses what `make check` has found out about the library.
 MYPY = [sys.executable, "-m", "mypy", "--strict", f"--cache-dir={ROOT / '.mypy_cache'}", "--config-file="]
 MYPY += ["--python-version=3.10"]
 
 
 def test_generated_code_is_clean() -> None:
-    """As a user's own checks would see it: strict types, default lint rules, default and our formatting."""
+    """As in a user's own checks: strict types, default lint rules, default formatting and ours."""
     files = [str(golden(path)) for path in SPECS]
     assert set(GOLDEN.glob("*.py")) <= {golden(path) for path in SPECS}
     run = [sys.executable, "-m"]
@@ -90,7 +90,7 @@ def test_generated_code_is_clean() -> None:
 
 
 def facts(node: Node) -> list[tuple[Any, ...]]:
-    """Everything that matters about a tree, groups included."""
+    """Return everything that matters about a tree, groups included."""
     found: list[tuple[Any, ...]] = []
     for name, member in node._members.items():
         attribute = next(
@@ -279,7 +279,7 @@ def test_names_that_meet_in_the_module_stay_apart(fake: ModuleType, tmp_path: Pa
 
 
 def test_a_users_mistakes_are_type_errors(tmp_path: Path) -> None:
-    """Checked where a user is: outside of this checkout, with the library as it is installed."""
+    """It is checked in a user's place: outside of this checkout, with the installed library."""
     write(load(ROOT / "examples" / "scara" / "scara.ul"), tmp_path)
     lines = {
         "robot.j1.pos_sp.write(5)": "",
@@ -326,7 +326,7 @@ def test_what_python_knows_is_reserved() -> None:
 
 
 def test_what_is_no_file_is_neither_read_nor_written(tmp_path: Path) -> None:
-    """Who reads a pipe that nobody writes waits for ever."""
+    """A program that reads a pipe without a writer waits for ever."""
     os.mkfifo(tmp_path / "robot.py")
     spec = spec_of("public p() { @a = 0x0: READ(); }")
     for command in (write, stale):
@@ -335,7 +335,7 @@ def test_what_is_no_file_is_neither_read_nor_written(tmp_path: Path) -> None:
 
 
 def test_links_below_the_folder_are_not_followed(tmp_path: Path) -> None:
-    """The folder itself may be one: that is what its owner has said."""
+    """The folder itself may be a link, because its owner has named it."""
     spec = spec_of("public p() { @a = 0x0: READ(); }")
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()

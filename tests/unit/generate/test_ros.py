@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""ROS packages as text: ours by their mark, the same each time, one with what a bridge would do."""
+"""ROS packages as text: they have our mark, are the same each time, and behave as a bridge would."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_files_are_marked_parse_and_stay_the_same(spec: Spec, artefact: str, tmp
 
 @pytest.mark.parametrize("artefact", ARTEFACTS)
 def test_the_interface_of_a_package_is_that_of_the_spec(spec: Spec, artefact: str) -> None:
-    """Literals are read back: what the generated node does is what the mapping says."""
+    """The literals are read back. So the generated node does what the mapping says."""
     files = generate(spec, artefact)
     for root in spec.roots:
         planned = plan_interface(spec, root.name)

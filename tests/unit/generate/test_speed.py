@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What makes the generators fast, and what it must not break."""
+"""What makes the generators fast, and what this must not break."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plan of a generated design: names, words, blocks, the text. GHDL judges it in tests/gateware."""
+"""The plan of a generated design: names, words, blocks, the text. tests/gateware checks it with GHDL."""
 
 from __future__ import annotations
 
@@ -110,7 +110,9 @@ def test_a_word_of_several_devices_has_one_field_and_both_directions() -> None:
 
 @pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ", "READCLEAR PULSE", "PULSE READCLEAR"])
 def test_a_pulse_beside_what_is_read_hides_nothing_of_it(words: str) -> None:
-    """Whatever comes first in the text: the word is the logic's, the strobe lasts a clock, a read is told."""
+    """In either order of the text: the word belongs to the logic, the strobe lasts one clock, and a read is
+    reported.
+    """
     both = " ".join(f"@{access.lower()} = 0x0: {access}();" for access in words.split())
     design = generate_vhdl(spec_of(f"public robot() {{ {both} }}"))["vhdl/robot_design.vhd"]
     assert "reads(0) <= read_words(31 downto 0);" in design
@@ -157,7 +159,7 @@ def test_tosnet_words_belong_to_whom_the_network_says() -> None:
         "read_out": "@a = 0x80: READ();",  # node 2 drives it
         "write_in": "@b = 0x84: WRITE();",  # the PC drives node 2's IN word
         "write_own": "@c = 0x40: WRITE();",  # the PC is node 1
-        "read_in": "@d = 0x85: READ();",  # what the PC wrote: nothing for the user's logic to drive
+        "read_in": "@d = 0x85: READ();",  # the PC wrote it, so the user's logic drives nothing
         "write_out": "@e = 0x81: WRITE();",  # TosNet refuses this
         "status": "@f = 0x400: READ();",  # TosNet's own
     }
@@ -201,7 +203,7 @@ def test_what_the_gateware_has_not_is_refused(overrides: dict[str, Any], message
 
 
 def test_words_beside_a_component_leave_it_its_place() -> None:
-    """They share a window of 64 addresses with it, around it on both sides."""
+    """The words share a window of 64 addresses with the component, and stand on both sides of it."""
     spec = spec_of("public a() { @x = 0x0: READ(); @y = 0x1F: READ(); p: pwm() @ 0x8; }")
     design = generate_vhdl(spec)["vhdl/robot_design.vhd"]
     ranges = re.findall(r'=> \(base => x"(\w+)", words => (\d+)\)', design)
@@ -304,7 +306,7 @@ def test_the_spec_tells_the_physical_layer(tmp_path: Path) -> None:
     top = (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
     assert "rs485_node : positive range 1 to 63 := 7;" in top and "baud_hz    : positive := 1000000;" in top
     numbers = (tmp_path / "vhdl" / "elbow_config_pkg.vhd").read_text(encoding="utf-8")
-    assert "=> protocol_framed," in numbers  # no classic text goes over a pair
+    assert "=> protocol_framed," in numbers  # no classic text goes over an RS-485 pair
     assert CliRunner().invoke(command, [*made, "--physical", "uart"]).exit_code == 0
     assert "entity work.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
 
@@ -326,7 +328,7 @@ def component(entity: str, port: str) -> str:
 
 
 def test_a_port_is_called_like_nothing_in_the_design() -> None:
-    """The design has a signal slaves_m2s, and ports and signals are declared in one region."""
+    """The design has a signal slaves_m2s. Ports and signals share one region of names."""
     design = generate_vhdl(spec_of(component("own", "m2s"), "p.ul"))["vhdl/p_design.vhd"]
     assert re.search(r"^    slaves_m2s_2 +: out std_ulogic;$", design, re.MULTILINE)
     assert "m2s => slaves_m2s_2," in design

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mutated inputs of every kind that is read from outside: each is read, or refused with an error of ours.
+"""Mutated inputs of every kind that is read from outside. Each is read, or refused with an error of ours.
 
-`python tests/unit/hostile/fuzz_inputs.py --count 100000` is the long form; the tests run a short one. A
-failure is told with its seed: `--seed SEED --count 1` repeats it.
+The long form is `python tests/unit/hostile/fuzz_inputs.py --count 100000`. The tests run a short one. A
+failure is printed with its seed. `--seed SEED --count 1` repeats it.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-SLOWEST_S = 5.0  # of one input, in processor time
+SLOWEST_S = 5.0  # limit for one input, in processor time
 PROGRESS = 10_000
 
 
 def main() -> int:
-    """Run until the count or the time is used up; print the input and the seed of each that fails."""
+    """Run until the count or the time is used up. Print the input and the seed of each failure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seconds", type=float, default=float("inf"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What readers of mutated inputs have in common: a spec, a command in this process, what may be raised."""
+"""What readers of mutated inputs share: a spec, a command in this process, the allowed errors."""
 
 import io
 import os
@@ -26,13 +26,16 @@ def elements() -> Names:
 
 
 class Registers(dict[int, int]):
-    """As much of a board's registers as a plant sets."""
+    """The part of a board's registers that a plant uses."""
 
     data_bits = 32
 
 
 def command(words: list[str], folder: Path) -> None:
-    """Run a command in this process: what leaves `main` would be a traceback, and so is what it prints."""
+    """Run a command in this process.
+
+    An exception that leaves `main` would be a traceback, and so is a printed one.
+    """
     before = Path.cwd()
     os.chdir(folder)
     out, err = io.StringIO(), io.StringIO()
@@ -45,7 +48,7 @@ def command(words: list[str], folder: Path) -> None:
 
 
 class allowed:
-    """What may be raised at an input that is wrong: an error of ours, or a usage error of a command."""
+    """The errors that a wrong input may raise: an error of ours, or a usage error of a command."""
 
     def __init__(self, *more: type[Exception]) -> None:
         import click

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Texts, from specs to command lines: good ones, and what reads them."""
+"""Texts, from specs to command lines: good ones, and the code that reads them."""
 
 import json
 import os
@@ -108,7 +108,7 @@ def read_value(data: bytes, _: Path) -> None:
         codec = Codec(item.name, Quantity.of(item.element), 32, commanded=True)
         raw = codec.encode(value)
         assert 0 <= raw <= codec.mask
-        codec.decode(raw)  # what was taken can be shown
+        codec.decode(raw)  # a value that was accepted can be shown
 
 
 # ---- the command line
@@ -149,7 +149,7 @@ def command_lines(folder: Path) -> list[bytes]:
 def read_command_line(data: bytes, folder: Path) -> None:
     words = [os.fsdecode(word) for word in data.split(b"\0")]
     if words[0] not in _READ_ONLY or any(_PORT.match(word) for word in words):
-        return  # it would make files, serve, or ask ports of this machine
+        return  # it would make files, serve, or send to ports of this machine
     if any(word.startswith(("--out", "--pcapng", "--fix")) or "trace=" in word for word in words):
         return
     command(words, folder)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings, captures and what goes over a wire: good ones, and what reads them."""
+"""Recordings, captures and bytes of a wire: good ones, and the code that reads them."""
 
 import io
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from unitylink.commands.wire_reader import wire_reader
 from unitylink.recording import Origin, Sample, create
 from unitylink.simulate.plants.recording import RecordingPlant
 
-DRAWN = 40  # one of so many recordings is drawn, which costs a hundred times as much as reading it
+DRAWN = 40  # one of so many recordings is also drawn, which costs a hundred times as much as reading it
 
 
 # ---- recordings
@@ -104,7 +104,7 @@ def captures(folder: Path) -> list[bytes]:
 
 
 def transfers(protocol: str) -> Callable[[Path], list[bytes]]:
-    """Return the bytes of a capture, each transfer behind a byte for its direction."""
+    """Return the bytes of a capture. A byte for its direction stands before each transfer."""
 
     def good(folder: Path) -> list[bytes]:
         captured(protocol, folder)
@@ -134,5 +134,5 @@ def read_transfers(data: bytes, _: Path) -> None:
 
 def read_typed_lines(data: bytes, _: Path) -> None:
     for line in data.decode("utf-8", "surrogateescape").splitlines():
-        with allowed(ValueError):  # which `term` shows
+        with allowed(ValueError):  # `term` shows these
             prepare(line, elements(), 1 + len(line) % 4)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is read from outside: of each kind some good inputs, and what reads one.
+"""All kinds of input from outside: for each kind some good inputs, and the code that reads one.
 
-`read` takes the mutated bytes and a folder to work in. What it may raise is an error of ours, which the
-command line shows in a line; whatever else comes out of it is a defect.
+`read` takes the mutated bytes and a folder to work in. It may raise an error of ours, which the command line
+shows in a line. Any other exception is a defect.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ __all__ = ["KINDS", "Inputs", "Kind", "allowed", "shown", "typed"]
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of input. `share` is how often it is taken, beside the others."""
+    """A kind of input. `share` says how often this kind is drawn, relative to the others."""
 
     name: str
     good: Callable[[Path], list[bytes]]
     read: Callable[[bytes, Path], None]
     share: int = 10
-    words: list[bytes] = field(default_factory=list)  # what mutations put in
-    text: bool = False  # then most are UTF-8: what is none is refused soon
+    words: list[bytes] = field(default_factory=list)  # the words that mutations insert
+    text: bool = False  # if true, most inputs are kept valid UTF-8, because others are refused at once
 
 
 _NUMBERS = [b"0", b"-1", b"1e308", b"nan", b"inf", b"0x", b"9" * 30, b"9" * 5000, b"1e999999"]
@@ -134,7 +134,7 @@ KINDS = (
 
 
 def mutated(chance: random.Random, good: list[bytes], words: list[bytes]) -> bytes:
-    """Return a good input with one to four mutations: cut, left out, put in, doubled, bits turned, mixed."""
+    """Return a good input with one to four mutations: cut, remove, insert, double, flip bits, mix."""
     data = chance.choice(good)
     for _ in range(chance.randrange(1, 5)):
         at = chance.randrange(len(data) + 1)
@@ -161,7 +161,7 @@ def mutated(chance: random.Random, good: list[bytes], words: list[bytes]) -> byt
 
 
 class Inputs:
-    """Inputs of all kinds or one, in a folder of their own."""
+    """Inputs of all kinds or of one, with a folder of their own."""
 
     def __init__(self, folder: Path, only: str = "") -> None:
         self.folder = folder

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""No input ends in a traceback: the short form of fuzz_inputs.py, and what it has found."""
+"""No input ends in a traceback: the short form of fuzz_inputs.py, and the defects that it has found."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from unitylink.connection.schemes import scheme_of
 from unitylink.errors import BoardError, UrlError
 from unitylink.recording import Origin, Sample, create
 
-pytestmark = pytest.mark.xdist_group("matplotlib")  # whose import takes a second
-PER_SHARE = 3  # inputs of a kind, for each of its shares
+pytestmark = pytest.mark.xdist_group("matplotlib")  # one worker, because importing matplotlib takes a second
+PER_SHARE = 3  # inputs of a kind, times its share
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     yield tmp_path_factory.mktemp("inputs")
 
 
-@pytest.mark.filterwarnings("ignore")  # of what matplotlib and wide numbers say
+@pytest.mark.filterwarnings("ignore")  # warnings of matplotlib and about wide numbers
 @pytest.mark.parametrize("kind", [kind.name for kind in KINDS])
 def test_mutated_inputs_are_read_or_refused(kind: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("input_wire.DRAWN", 1 << 62)
@@ -48,7 +48,7 @@ def test_mutated_inputs_are_read_or_refused(kind: str, folder: Path, monkeypatch
 
 @pytest.mark.parametrize("kind", [kind.name for kind in KINDS])
 def test_inputs_that_are_good_are_read(kind: str, folder: Path) -> None:
-    """Else what is mutated would be refused at its door."""
+    """If one were refused, its mutations would be refused at once and would test nothing."""
     inputs = Inputs(folder, kind)
     for data in inputs.good[kind]:
         inputs.read(inputs.kinds[0], data)
@@ -62,7 +62,7 @@ def test_only_errors_of_ours_are_allowed() -> None:
             raise error
 
 
-# ---- what was found
+# ---- defects that were found
 
 
 @pytest.mark.parametrize("command", ["W", "WSR", "RG", "WEM", "R", "RM", "WSA"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The files of this checkout: those of git, and those that are new."""
+"""The files of this checkout: those in git, and new ones."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from functools import cache
 from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[3]
-# safe.directory: in a container the checkout often belongs to somebody else
+# safe.directory is set, because in a container the checkout often belongs to another user
 COMMAND = ["git", "-c", "safe.directory=*", "ls-files", "--cached", "--others", "--exclude-standard"]
 
 
 @cache
 def files(suffixes: tuple[str, ...] = ()) -> list[PurePosixPath]:
-    """Return the files with one of these suffixes, below the root. No suffix: all."""
+    """Return the files with one of these suffixes, below the root. Without a suffix, all files count."""
     if suffixes:
         return [file for file in files() if file.suffix in suffixes]
     listed = subprocess.run(COMMAND, cwd=ROOT, capture_output=True, text=True, check=True).stdout

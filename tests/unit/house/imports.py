@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which module of the package imports which, read from the sources: at any nesting, for types too."""
+"""Which module of the package imports which, read from the sources.
+
+Nested imports and imports for types count too.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,7 @@ MODULES = modules()
 
 @cache
 def imported(path: PurePosixPath) -> list[tuple[int, str]]:
-    """Return (line, module) for every module of ours that a file imports, at any nesting."""
+    """Return (line, module) for every module of ours that a file imports, however deeply nested."""
     found = []
     package = ("unitylink", *path.parent.parts)
     for node in ast.walk(ast.parse(text(PACKAGE / path))):

@@ -9,14 +9,17 @@ from pathlib import PurePosixPath
 import pytest
 from unit.house.imports import MODULES, imported
 
-pytestmark = pytest.mark.xdist_group("imports")  # which are read once
+pytestmark = pytest.mark.xdist_group("imports")  # one worker, so that the files are read once
 Graph = Mapping[PurePosixPath, set[PurePosixPath]]
-# Files that stand in circles, imports for types included. Lower it, never raise it.
+# The number of files that stand in circles, with imports for types. Lower it, never raise it.
 FILES_MOST = 2
 
 
 def package_graph() -> Graph:
-    """Return, for each file, those of its own package that it imports. A package's front is no file of it."""
+    """Return, for each file, the files of its own package that it imports.
+
+    A package's __init__.py does not count as one of its files.
+    """
     inside = [path for path in MODULES.values() if len(path.parts) > 1 and path.name != "__init__.py"]
     return {
         path: {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make fresh` tries every target of `make help`, each as if nobody had run one before."""
+"""`make fresh` tries every target of `make help`, each as if none had run before."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ Try = Callable[..., list[Any]]
 
 @pytest.fixture
 def fresh(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """tools/fresh/every_target.py, which is no package."""
+    """Import tools/fresh/every_target.py, which is no package."""
     monkeypatch.syspath_prepend(str(ROOT / "tools" / "fresh"))
     return importlib.import_module("every_target")
 
 
 @pytest.fixture
 def tiny(tmp_path: Path) -> Path:
-    """A checkout with targets that remember, fail, leave a process or hang."""
+    """A checkout with targets that leave traces, fail, leave a process or hang."""
     checkout = tmp_path / "tiny"
     checkout.mkdir()
     (checkout / "Makefile").write_text(TINY)
@@ -135,7 +135,7 @@ def test_it_goes_on_after_a_failure_and_shows_its_end(
 
 
 def state_of(pid: str) -> str:
-    """Return the letter of a process's state; X where it is gone."""
+    """Return the letter of a process's state, or X if the process is gone."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().split()[2]
     except OSError:
@@ -147,7 +147,7 @@ def test_a_target_that_hangs_fails_and_leaves_nothing_running(
 ) -> None:
     pid = tmp_path / "pid"
     assert not try_targets("stay", stay=f"PID={pid}")[0].complaint
-    for _ in range(1000):  # the kernel may not be done yet with what was killed
+    for _ in range(1000):  # the kernel may still be removing the killed processes
         if state_of(pid.read_text().strip()) in "ZX":
             break
         time.sleep(0.01)
@@ -162,7 +162,7 @@ def test_one_failure_is_the_end_of_make_fresh(
 ) -> None:
     monkeypatch.setattr(fresh, "ROOT", tiny)
     monkeypatch.setattr(fresh, "SHORT_FORMS", FORMS)
-    monkeypatch.setattr(fresh.signal, "signal", lambda *_: None)  # the handlers are those of pytest
+    monkeypatch.setattr(fresh.signal, "signal", lambda *_: None)  # pytest has its own handlers
     for targets, code in (("know",), 0), (("fail", "know"), 1):
         monkeypatch.setattr(fresh.sys, "argv", ["every_target.py", *targets])
         assert fresh.main() == code
@@ -178,7 +178,10 @@ def test_a_target_that_is_not_there_is_refused(fresh: Any) -> None:
 
 
 def test_a_bare_debian_has_what_the_build_asks_for_and_no_more(fresh: Any) -> None:
-    """What is there before the first command: `make build` stops without it and names it."""
+    """The packages that must be there before the first command.
+
+    Without one, `make build` stops and names it.
+    """
     build = (ROOT / "tools" / "setup.sh").read_text("utf-8").partition("\nbuild)")[2].partition("\n  ;;")[0]
     asked = set(re.findall(r'^  need (?:"[^"]*"|\S+) (\S+) ', build, re.M))
     assert len(asked) == 5

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Imports go down the layers only. The one table of who may import whom is that of docs/architecture.md.
+"""Imports go down the layers only. The only table of allowed imports is in docs/architecture.md.
 
-The last column of a row names what its files import, in backticks: `errors`, `spec/text`. Other words are for
-people. "anything" is no rule. A name stands for its row and for all that is below it, but to a part of `spec`
-the name `spec` stands for its row only. Names are paths below src/unitylink or native/src.
+The last column of a row names what its files import, in backticks: `errors`, `spec/text`. Other words in it
+are for people. "anything" means that there is no rule. A name stands for its row and everything below. But in
+the row of a part of `spec`, the name `spec` stands for its own row only. Names are paths below src/unitylink
+or native/src.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ from pathlib import PurePosixPath
 import pytest
 from unit.house.imports import MODULES, PACKAGE, ROOT, imported
 
-pytestmark = pytest.mark.xdist_group("imports")  # which are read once
+pytestmark = pytest.mark.xdist_group("imports")  # one worker, so that the files are read once
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 NATIVE = PurePosixPath("native/src")
 
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table. Its files and folders are one unit, called after the first of them.
+    """A row of the table. Its files and folders are one unit, named after the first of them.
 
     `allowed` are the units that it may import. None: anything.
     """
@@ -39,7 +40,7 @@ def rows(base: PurePosixPath) -> dict[str, Row]:
     for row in re.findall(r"^\| (`.*) \|$", table, re.M):
         places, _, targets = (cell.strip() for cell in re.split(r"(?<!\\)\|", row))
         first, *more = (PurePosixPath(name) for name in re.findall(r"`([^`]+)`", places))
-        if first.is_relative_to(base):  # `types.py`, behind `src/unitylink/spec/model.py`, is beside it
+        if first.is_relative_to(base):  # `types.py` after `src/unitylink/spec/model.py` is in the same folder
             paths = [str(path.relative_to(base)) for path in (first, *(first.parent / name for name in more))]
             units = tuple(path.removesuffix(".py").removesuffix(".pyi") for path in paths)
             allowed = None if targets.startswith("anything") else frozenset(re.findall(r"`([^`]+)`", targets))
@@ -49,7 +50,7 @@ def rows(base: PurePosixPath) -> dict[str, Row]:
 
 
 def unit_of(file: PurePosixPath, known: dict[str, Row]) -> str | None:
-    """Return the unit that a file belongs to: that of the longest path above it."""
+    """Return the unit of a file, which is the one with the longest path above it."""
     for path in (file.with_suffix(""), *file.parents):
         for unit, row in known.items():
             if str(path) in row.places:
@@ -58,7 +59,7 @@ def unit_of(file: PurePosixPath, known: dict[str, Row]) -> str | None:
 
 
 def may(importer: str, target: str, row: Row) -> str | None:
-    """Return the word of the row that allows the import. None: it is not allowed."""
+    """Return the word of the row that allows the import. The result is None if no word does."""
     if row.allowed is None or importer == target:
         return target
     for path in (PurePosixPath(target), *PurePosixPath(target).parents):
@@ -116,7 +117,7 @@ def test_the_table_allows_no_import_that_nobody_makes() -> None:
 
 
 def test_units_import_each_other_in_no_circle() -> None:
-    """A row of "anything" is at the top: nothing below may import it."""
+    """A row with "anything" is at the top, so nothing below may import it."""
     below = {unit: {target for _, importer, target in edges() if importer == unit} for unit in ROWS}
     ranked: set[str] = set()
     while free := [unit for unit in below if unit not in ranked and below[unit] <= ranked]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How sources and pages are laid out: 120 columns, no tabs, no trailing blanks, VHDL in lower case."""
+"""The layout of sources and pages: 120 columns, no tabs, no trailing blanks, VHDL in lower case."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from unit.house.files import files, text
 COLUMNS = 120  # as in .clang-format and .mdformat.toml; ruff keeps Python at 110
 KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".sh", ".lua", ".md")
 NAMES = ("Makefile", "CMakeLists.txt")
-MADE = ("tests/golden/",)  # by `unitylink generate`: a name or a text of a spec may have any length
+# `unitylink generate` makes these, and a name or a text of a spec may have any length
+MADE = ("tests/golden/",)
 
 PRAGMA = re.compile(r"  # (type: ignore|noqa).*$")  # ruff does not count it either
 NO_CODE = re.compile(r'"[^"\n]*"|\'.\'|--[^\n]*|\d+#[0-9A-Fa-f_]+#')  # strings, characters, comments, numbers
-PIECE = re.compile(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`")  # of a page: a link, a picture, code
+PIECE = re.compile(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`")  # parts of a page: a link, a picture, code
 CHARACTERS = {"NUL", "HT", "LF", "CR"}  # the names that VHDL's package `standard` gives them
 
 
 def breakable(file: PurePosixPath, content: str) -> list[bool]:
     """Tell for each line whether it could be broken.
 
-    On a page, code, tables and headings cannot, nor can a link, a picture or code within a line.
+    On a page, code, tables and headings cannot be broken. Neither can a link, a picture or code within a
+    line.
     """
     lines = content.split("\n")
     if file.suffix != ".md":
@@ -39,7 +41,7 @@ def breakable(file: PurePosixPath, content: str) -> list[bool]:
 
 
 def faults(file: PurePosixPath, content: str) -> Iterator[str]:
-    """Yield what is wrong with the layout of a source, each with its line."""
+    """Yield each fault in the layout of a source, with its line."""
     lines = zip(content.split("\n"), breakable(file, content), strict=True)
     for number, (line, can_be_broken) in enumerate(lines, 1):
         if can_be_broken and len(PRAGMA.sub("", line)) > COLUMNS:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `tools/setup.sh` installs is locked: versions that pyproject.toml asks for, each with its hashes."""
+"""Everything that `tools/setup.sh` installs is locked: with versions that pyproject.toml allows, each with
+its hashes.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,14 @@ LOCKS = ROOT / "tools" / "locks"
 PROJECT = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 GROUPS = PROJECT["dependency-groups"]
-OWN = PROJECT["project"]["dependencies"]  # what the library itself wants
+OWN = PROJECT["project"]["dependencies"]  # the dependencies of the library itself
 ASKED = (
     GROUPS | {"build": [*OWN, *GROUPS["build"]]} | {name: [*OWN, *EXTRAS[name]] for name in ("all", "ros2")}
 )
 
 
 def entries(name: str) -> list[tuple[Requirement, int]]:
-    """Return each package of a lock as it is pinned, and how many hashes it has."""
+    """Return each package of a lock with its version, and the number of its hashes."""
     text = (LOCKS / f"{name}.txt").read_text(encoding="utf-8")
     found = []
     for entry in re.split(r"\n(?=\S)", text.strip()):
@@ -39,7 +41,7 @@ def test_there_is_a_lock_for_each_group_and_no_other() -> None:
 
 @pytest.mark.parametrize("name", ASKED)
 def test_a_lock_has_what_is_asked_for(name: str) -> None:
-    """It fails where a group of pyproject.toml was changed and `tools/lock.sh` was not run."""
+    """It fails if a group of pyproject.toml was changed and `tools/lock.sh` was not run."""
     locked = entries(name)
     assert all(hashes for _, hashes in locked)
     for asked in map(Requirement, ASKED[name]):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Each mistake of native/mutants.toml changes what it says, and names a test that exists.
+"""Each mistake of native/mutants.toml changes the source as it says, and names a test that exists.
 
-`make mutants` compiles and runs them, which takes minutes. Only there a mistake whose text has gone would be
-noticed.
+`make mutants` compiles and runs them, which takes minutes. Without this test, only that run would notice a
+mistake whose text has gone from the source.
 """
 
 from __future__ import annotations

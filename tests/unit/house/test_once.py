@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A function of the gateware stands in one file: the others use its package."""
+"""Each function of the gateware stands in one file only. The other files use its package."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_a_function_stands_once() -> None:
     for file in files((".vhd",)):
         if (
             file.parts[0] == "gateware" and file.parts[1] != "test"
-        ):  # a bench computes what it expects by itself
+        ):  # a bench computes its expected values independently
             for signature in signatures(text(file)):
                 places[signature].append(str(file))
     assert len(places) > 50

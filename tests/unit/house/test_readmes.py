@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The README.md of a folder names each of its files, and no file that is not there."""
+"""The README.md of a folder names each of its files, and no file that does not exist."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import PurePosixPath
 from unit.house.files import files, text
 
 FOLDERS = ("bench", "native", "protocol", "src", "tests", "tools")
-# Tests and goldens are named after what they are of; an __init__.py is what its folder is.
+# Tests and golden files are named after their subject. An __init__.py is described by its folder.
 SELF_EVIDENT = ("__init__.py", "conftest.py", "py.typed", "README.md")
 NAMED_AFTER = (("tests/", "test_*.py"), ("tests/golden/", "*"))
 SOURCE = re.compile(r"[\w.]+\.(?:py|pyi|[ch]pp|[ch]|sh|ul|vhd|jinja|toml)|\w+/")
 
 
 def words(page: PurePosixPath) -> set[str]:
-    """Return what a page has in code type, word by word."""
+    """Return the words that a page has in code type."""
     code = re.findall(r"`([^`\n]+)`", text(page))
     return {word for part in code for word in re.split(r"[\s,]+", part)}
 

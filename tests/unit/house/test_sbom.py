@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bill of materials names all that is locked, that setup.sh installs, and that is loaded at run time."""
+"""The bill of materials names everything that is locked, that setup.sh installs, and that is loaded at run
+time.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""SECURITY.md promises nothing that no test holds."""
+"""SECURITY.md promises only what a test checks."""
 
 from __future__ import annotations
 

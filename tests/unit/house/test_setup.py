@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""tools/setup.sh installs nothing as root that it has not named, and nothing at all as anybody else."""
+"""As root, tools/setup.sh installs only what it has named before. As another user it installs nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SETUP = Path(__file__).resolve().parents[3] / "tools" / "setup.sh"
 
 @pytest.fixture
 def machine(tmp_path: Path) -> Path:
-    """A checkout and a machine that has neither GHDL nor Verilator, with an apt-get that notes its words."""
+    """A checkout, on a machine without GHDL and Verilator. Its fake apt-get notes its arguments."""
     (tmp_path / "tools").mkdir()
     (tmp_path / "tools" / "setup.sh").write_text(SETUP.read_text(encoding="utf-8"), encoding="utf-8")
     programs = tmp_path / "bin"
@@ -35,7 +35,7 @@ def script(path: Path, text: str) -> None:
 
 def run(machine: Path, user: int) -> subprocess.CompletedProcess[str]:
     script(machine / "bin" / "id", f"echo {user}")
-    with (machine / "told").open("w") as told:  # a file, so that apt-get sees what was told before it
+    with (machine / "told").open("w") as told:  # a file, so that apt-get can read what was printed before
         command = [machine / "bin" / "bash", machine / "tools" / "setup.sh", "rtl"]
         done = subprocess.run(
             command,

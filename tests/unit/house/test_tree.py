@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every file and folder owes its reader."""
+"""What every file and folder must have for its reader."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_files_fit_in_the_head() -> None:
     assert not long, "split these (one noun a file):\n" + "\n".join(long)
 
 
-MIRRORS = ("tests/unit", "tests/lab")  # of src/; their page is tests/README.md
+MIRRORS = ("tests/unit", "tests/lab")  # they mirror src/; their page is tests/README.md
 
 
 def test_folders_have_a_page() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a spec to a board."""
+"""From a spec to the configuration of a board."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_queues_and_tables_are_those_of_the_spec() -> None:
         FifoConfiguration(0x90, 4, event_group=None, remind_clocks=20_000),
     )
     assert configuration.edge_events == (0,)
-    assert configuration.address_bits == 16  # the commit lies at 0x200
+    assert configuration.address_bits == 16  # the address of the commit is 0x200
 
 
 def test_overrides() -> None:
@@ -135,7 +135,10 @@ def test_what_cannot_be_is_refused_by_name(fields: dict[str, Any], words: str) -
 
 @pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ", "READCLEAR PULSE"])
 def test_words_with_two_sides(words: str) -> None:
-    """The PC clears flags by ones, and a PULSE does not touch the READ of its word, in either order."""
+    """The PC clears flags by writing ones.
+
+    A PULSE does not change the READ of its word, in either order of the text.
+    """
     both = "".join(f"@{access.lower()} = 0x1: u8 {access}();" for access in words.split())
     spec = spec_of(f"public port() {{ @flags = 0x0: u8 W1C(); {both} @alone = 0x2: PULSE(); }}")
     configuration = BoardConfiguration.for_spec(spec)
@@ -146,7 +149,8 @@ def test_words_with_two_sides(words: str) -> None:
             link.write(0, mask)
         link.write(1, 3)
         link.write(2, 1)
-        assert [link.read(address) for address in (0, 1, 2)] == [0xE0, 0x55, 1]  # a plant takes the last
+        # a plant takes the last of them
+        assert [link.read(address) for address in (0, 1, 2)] == [0xE0, 0x55, 1]
         assert [board.registers[address] for address in (0, 1)] == [0xE0, 0x55]
 
 

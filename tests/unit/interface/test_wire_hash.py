@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The wire hash: what could move the wrong joint changes it, and nothing else."""
+"""The wire hash: a change that could move the wrong joint changes it, and no other change does."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_what_can_do_no_harm_does_not_count(old: str, new: str) -> None:
     if new == "REVERSED":
         new = "\n".join(reversed(old.rstrip("\n").split("\n"))) + "\n"
     changed = SPEC.replace(old, new)
-    if old.startswith(("enum", "bits")):  # and where the type is used
+    if old.startswith(("enum", "bits")):  # also where the type is used
         name = old.split()[1]
         changed = changed.replace(f": {name} ", f": {new.split()[1]} ")
     assert of(changed) == of(SPEC)
@@ -99,7 +99,7 @@ def test_the_hardware_behind_an_address_counts() -> None:
 
 
 def test_two_arms_are_two_gatewares() -> None:
-    """The same arm twice, each behind a link of its own: a swapped cable is found."""
+    """The same arm twice, each behind its own link. So swapped cables are noticed."""
     both = "public left() { @x = 0x1: WRITE(); } public right() { @x = 0x1: WRITE(); }"
     spec = spec_of(both)
     whole, left = wire_hashes(spec, "left")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A link without a wire: the methods of `Link` over a bus model, with the faults a test plans."""
+"""A link without a wire: the methods of `Link` on a model of the bus, with the faults that a test plans."""
 
 from __future__ import annotations
 
@@ -46,19 +46,22 @@ class Memory:
 
 
 class TosNetModel:
-    """The memory map with both hazards: the swap does not copy, a write while a commit is pending aborts it.
+    """The memory map with both hazards: the swap does not copy, and a write during a pending commit aborts
+    it.
 
-    A network cycle passes every `accesses_per_cycle` bus accesses (0: only when `strobe` is called).
+    A network cycle passes every `accesses_per_cycle` bus accesses. With 0, it passes only when `strobe` is
+    called.
     """
 
     def __init__(self, accesses_per_cycle: int = 2) -> None:
-        self.outputs = [dict[int, int](), dict[int, int]()]  # what the PC writes; [0] is on the network
-        self.inputs: dict[int, int] = {}  # what the nodes write
+        # words that the PC writes; those of [0] are on the network
+        self.outputs = [dict[int, int](), dict[int, int]()]
+        self.inputs: dict[int, int] = {}  # words that the nodes write
         self.online, self.halted = True, False
         self.pending, self.aborted = False, False
         self.accesses_per_cycle = accesses_per_cycle
         self.accesses = 0
-        self.history: list[dict[int, int]] = []  # outputs at each commit that took effect
+        self.history: list[dict[int, int]] = []  # outputs after each commit that took effect
         self.sent: list[tuple[int, int]] = []
         self.received: list[tuple[int, bytes]] = []
         self.control = 0
@@ -113,7 +116,10 @@ class TosNetModel:
 
 
 class DoubleBufferModel:
-    """A bank swap at once, without copying; +size commits and counts."""
+    """Two banks that swap at once, without copying.
+
+    A write to `size` commits, a read of it gives the count.
+    """
 
     def __init__(self, size: int) -> None:
         self.size, self.commits = size, 0
@@ -177,21 +183,21 @@ class FakeLink:
     base: int = 0
     closed: bool = False
     protocol: str = "classic"
-    description: None = None  # it speaks the classic protocol
+    description: None = None  # None, because it speaks the classic protocol
     notice: str = ""
     unverified: str = "it is a fake"
 
-    generation = 0  # of a device that never restarts, on a line that is never lost
+    generation = 0  # constant, because the device never restarts and the line is never lost
 
     def __post_init__(self) -> None:
         self.log: list[tuple[Any, ...]] = []
         self.subscriptions: list[FakeSubscription] = []
         self.repeats: list[tuple[str, int, bool]] = []
-        self.lose_write_reply: set[int] = set()  # executed, but the reply is lost
+        self.lose_write_reply: set[int] = set()  # writes that are executed, but whose reply is lost
         self.fail: dict[int, Exception] = {}
 
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
-        """Let all pass: classic gateware cannot say."""
+        """Accept every spec, because classic gateware has no hash to compare."""
 
     def now_s(self) -> float:
         return time.monotonic()
@@ -270,7 +276,7 @@ class FakeLink:
         return subscription
 
     def publish(self, time_s: float | None = None) -> None:
-        """Let every group publish what its addresses hold now."""
+        """Let every group publish the present words of its addresses."""
         for subscription in list(self.subscriptions):
             words = tuple(self.bus.read(a - self.base) for a in subscription.addresses)
             subscription.callback(time.monotonic() if time_s is None else time_s, words)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Memory, FIFO, and what TosNet has beside its memory."""
+"""Memory, FIFO, and the parts of TosNet beside its memory."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_fifo_says_what_to_do(fake: ModuleType) -> None:
 
 
 def test_what_counts_more_words_than_a_fifo_holds_is_none(fake: ModuleType) -> None:
-    """Popping so many words from some register would take hours."""
+    """Some other register may hold a large number. Popping so many words would take hours."""
     link = fake.FakeLink()
     fifo = FifoProxy(link, 0x40)
     most = "range 2 to 2 ** 16 := 16;"
@@ -91,7 +91,7 @@ def test_tosnet_node_addressing(fake: ModuleType) -> None:
     network = TosNetProxy(fake.FakeLink(model))
     register = network.node(2).register(1)
     assert register.outputs.address(0) == 0x88  # Fig. 1: cpos of joint 1
-    assert register.inputs.address(0) == 0x8C  # and its pos_sp
+    assert register.inputs.address(0) == 0x8C  # Fig. 1: pos_sp of joint 1
     model.inputs[0x8A] = 44
     assert register.outputs[2] == 44
     assert list(register.outputs) == [0, 0, 44, 0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The proxies against the twin of the gateware, over a real link."""
+"""The proxies on the twin of the gateware, over a real link."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def network(cycle_s: float = 200e-6) -> Iterator[tuple[Board, Link, TosNetProxy]
 
 
 def naive_write(link: Link, address: int, word: int) -> None:
-    """What a program does that does not know TosNet: write the word, commit, wait."""
+    """Do what a program does that does not know TosNet: write the word, commit, wait."""
     link.write(address, word)
     link.write(STATUS, 1)
     while link.read(STATUS) & PENDING:
@@ -90,7 +90,7 @@ def test_a_second_program_takes_over_without_a_jump() -> None:
     with network() as (board, link, proxy):
         proxy.write_many([0x84, 0x85, 0x86], [700, 800, 900])
         proxy.write(0x86, 901)
-        successor = TosNetProxy(link)  # knows nothing of what the first one wrote
+        successor = TosNetProxy(link)  # it does not know what the first one wrote
         successor.declare_outputs([0x84, 0x85, 0x86])
         for number in (1, 2, 3):
             successor.write(0x87, number)
@@ -183,7 +183,7 @@ def test_a_word_of_a_burst_that_failed_does_not_come_with_the_next() -> None:
     with network() as (board, _, proxy):
         proxy.write(0x84, 1)
         with pytest.raises(BusError):
-            proxy.write_many((0x85, 0x80), (7, 7))  # 0x80 is node 2's own: the burst ends there
+            proxy.write_many((0x85, 0x80), (7, 7))  # 0x80 belongs to node 2, so the burst ends there
         proxy.declare_outputs([0x86])
         del proxy._outputs[0x80]
         proxy.write(0x86, 3)
@@ -191,7 +191,10 @@ def test_a_word_of_a_burst_that_failed_does_not_come_with_the_next() -> None:
 
 
 def test_a_fifo_publishes_its_words_by_itself() -> None:
-    """No rate and no poll: each word comes once, also those that were there before anybody asked."""
+    """There is no rate and no polling.
+
+    Each word comes once, also the words that were there before the subscription.
+    """
     fifo = FifoConfiguration(base=0x40, depth=64, event_group=3, remind_clocks=50_000)
     configuration = BoardConfiguration(groups=4, edge_events=(3,), fifos=(fifo,))
     with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:

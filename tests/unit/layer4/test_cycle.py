@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A control loop: all outputs out, all inputs in, with each call."""
+"""A control loop: each call writes all outputs and reads all inputs."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def link(request: pytest.FixtureRequest) -> Iterator[Link]:
 def test_each_call_writes_and_reads_all(link: Link) -> None:
     robot = load_spec_objects(drive(), link)
     registers = link.board.registers
-    registers[0x10], registers[0x11] = 0xFFFF_FFFF, 0xFFFF_FF00  # above its bits nothing counts
+    registers[0x10], registers[0x11] = 0xFFFF_FFFF, 0xFFFF_FF00  # bits above the type's own are ignored
     with robot.cycle() as cycle:
         with pytest.raises(ValueRangeError, match="on, turns: no value yet"):
             cycle()

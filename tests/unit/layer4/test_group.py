@@ -128,7 +128,7 @@ def test_keys_are_unique(fake: ModuleType) -> None:
 
 
 def test_a_batch_collects_writes_to_its_link_and_others(fake: ModuleType) -> None:
-    """The writes to several links go out in threads, which must not wait for the batch of this one."""
+    """Threads do the writes to several links. They must not wait for the batch of this link."""
     models = [fake.TosNetModel(), fake.TosNetModel()]
     first, second = (TosNetProxy(fake.FakeLink(model, url=f"link{n}")) for n, model in enumerate(models))
     group = ValueGroup({"a": WriteValue("a", first, 0x84), "b": WriteValue("b", second, 0x84)})

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sets of what comes at several rates and on events: in step within a rate, with the newest of all others."""
+"""Sets of values that come at several rates and on events.
+
+Values of one rate are in step, with the newest of all others.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,7 @@ def spec_of(text: str = TEXT) -> Spec:
 
 
 def sets(protocol: str, *publishes: tuple[str, int, int]) -> list[dict[str, int]]:
-    """Return the sets that these publishes make: of a value, at a time in ms, a number."""
+    """Return the sets that these publishes make. Each publish is (value, time in ms, number)."""
     spec = spec_of()
     configuration = BoardConfiguration.for_spec(spec, protocol=protocol)
     with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=2") as link:
@@ -67,7 +70,7 @@ def test_without_the_times_of_the_device_it_cannot_be_known() -> None:
 def test_each_rate_and_each_event_has_its_beat() -> None:
     found = sets("both", ("slow", 0, 9), ("a", 10, 1), ("a", 20, 2), ("flag", 25, 7), ("slow", 60000, 8))
     assert found == [
-        {"slow": 9},  # what has not come yet is not in it
+        {"slow": 9},  # a value that has not come yet is left out
         {"slow": 9, "a": 1},
         {"slow": 9, "a": 2},
         {"slow": 9, "a": 2, "flag": 7},
@@ -76,7 +79,7 @@ def test_each_rate_and_each_event_has_its_beat() -> None:
 
 
 class Still:
-    """A plant that moves nothing: the tests set the words."""
+    """A plant in which nothing moves. The tests set the words."""
 
     period_s = 0.001
 
@@ -84,7 +87,7 @@ class Still:
         """Need nothing."""
 
     def step(self, time_s: float) -> None:
-        """Leave all as it is."""
+        """Change nothing."""
 
 
 @pytest.fixture
@@ -95,7 +98,7 @@ def board() -> Iterator[Board]:
 
 
 def test_a_node_gives_sets_at_its_fastest_rate(board: Board) -> None:
-    """`slow` comes once a minute and the flags on change: no set waits for them, and each has them."""
+    """`slow` comes once a minute and the flags on change. No set waits for them, and each set has them."""
     told: Queue[tuple[float, Snapshot]] = Queue()
     with Link(f"{board.url}?timeout=10") as link:
         robot = load_spec_objects(spec_of(), link)
@@ -138,7 +141,10 @@ def test_an_iteration_over_what_is_published_on_change_begins_with_what_it_is(
 
 
 def test_the_first_value_is_published_once(board: Board) -> None:
-    """Whoever listens when the publishing starts gets it, with the time of the start, before what changes."""
+    """A listener that is there when publishing starts gets the first value, with the time of the start.
+
+    It comes before any change.
+    """
     told: Queue[tuple[float, int]] = Queue()
     with Link(f"{board.url}?timeout=10") as link:
         robot = load_spec_objects(spec_of(), link)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Engineering values, and every kind of access: what is sent for each, and what never is."""
+"""Engineering values, and every kind of access: which words are sent for each, and which never are."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ FLAGS = ValueType(
 
 
 def robot(fake: ModuleType, **options: Any) -> tuple[Any, Node]:
-    """A node with one value of each kind, at address 0x10 and up."""
+    """Return a node with one value of each kind, from address 0x10 on."""
     link = fake.FakeLink(configuration=fake.Configuration(**options))
     where = dict(
         zip(["angle", "target", "mode", "count", "flags", "reset", "time"], range(0x10, 0x17), strict=True)
@@ -190,7 +190,7 @@ def test_values_of_several_words_stay_in_one_group(fake: ModuleType) -> None:
 
 
 def test_an_event_publishes_through_its_own_line() -> None:
-    """On the twin: a rate in any group, an event in the one with its line, which must be this one."""
+    """On the twin, a rate may be in any group. An event must be in the group with its line."""
     board = Board(configuration=BoardConfiguration(groups=4, edge_events=(2,)))
     with board, Link(f"{board.url}?timeout=10") as link:
         memory, publisher = MemoryProxy(link), Publisher()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An iteration over publishes tells each once, whatever the clocks say, and begins with the newest."""
+"""An iteration over publishes starts with the newest and gives each one once, whatever their times are."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def told(
 
 @pytest.mark.parametrize("time_s", [9.0, 10.0, 11.0])
 def test_a_change_is_told_though_its_time_is_before_that_of_the_first(time_s: float) -> None:
-    """The first was read by the PC, at the PC's time; the device's clock may be behind."""
+    """The PC read the first value, at the PC's time. The device's clock may be behind."""
     found = told(Listeners("x"), lambda: (10.0, 0), [(time_s, 1), (12.0, 2)], 3)
     assert found == [(10.0, 0), (time_s, 1), (12.0, 2)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Objects of a spec on gateware that was built from another are refused, where the gateware can tell."""
+"""Objects of a spec are refused on gateware of another spec, if the gateware can tell."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def spec_of(text: str) -> Spec:
 
 
 def generated(spec: Spec, folder: Path) -> ModuleType:
-    """Return the module that is generated from a spec, imported."""
+    """Import the module that is generated from a spec."""
     ((name, text),) = generate_python(spec).items()
     (folder / name).write_text(text)
     loader = importlib.util.spec_from_file_location(f"generated_{folder.name}", folder / name)
@@ -46,7 +46,7 @@ def generated(spec: Spec, folder: Path) -> ModuleType:
 
 @pytest.fixture(params=["generated", "loaded"])
 def build(request: pytest.FixtureRequest, tmp_path: Path) -> Build:
-    """Make the objects of a spec on a link, by generated code or without it."""
+    """Return a function that makes the objects of a spec on a link, with generated code or without."""
     if request.param == "loaded":
         return load_spec_objects
     return lambda spec, link: generated(spec, tmp_path).Arm(link)
@@ -100,7 +100,7 @@ def test_gateware_that_cannot_tell_is_not_refused(build: Build, caplog: pytest.L
     ("asks", "why"), [("target: i16 WRITE(SAFE=0)", "has a SAFE value"), ("target: PULSE()", "is a PULSE")]
 )
 def test_what_needs_frames_is_refused_on_a_link_that_fell_back(build: Build, asks: str, why: str) -> None:
-    """Not where the URL says that it is meant."""
+    """It is not refused if the URL asks for the classic protocol."""
     spec = spec_of(TEXT.replace("target: i16 WRITE()", asks))
     classic = BoardConfiguration(protocol="classic")
     with (
@@ -114,7 +114,7 @@ def test_what_needs_frames_is_refused_on_a_link_that_fell_back(build: Build, ask
 
 
 def test_a_board_that_is_one_arm_of_two() -> None:
-    """Its link leads to that arm alone; the other's objects are refused there, or are not made."""
+    """The link leads to one arm only. Objects of the other arm are refused there, or are not made."""
     spec = spec_of(PAIR)
     with Board(spec.only("left")) as board, Link(url(board)) as link:
         assert isinstance(load_spec_objects(spec, link, root="left"), Node)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which group carries what, and who is told."""
+"""Which group carries which value, and which callbacks are called."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_one_publish_is_one_consistent_snapshot(fake: ModuleType) -> None:
     link.publish(2.5)
     link.publish(3.5)
     assert seen == [
-        ("a", 1, -1),  # b is up to date already when a's callback runs
+        ("a", 1, -1),  # b is already up to date when a's callback runs
         (2.5, {"v0": 1, "v1": -1}),
         {"v0": 1, "v1": -1},
         (3.5, {"v0": 1, "v1": -1}),

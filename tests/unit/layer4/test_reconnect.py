@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What layers 3 and 4 keep of set-points is forgotten when a line comes back: none is repeated."""
+"""When a line comes back, layers 3 and 4 forget the set-points that they kept. So none is repeated."""
 
 from __future__ import annotations
 

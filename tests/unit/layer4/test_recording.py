@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A recording has the set-points beside what is published, at the times at which they were written."""
+"""A recording has the set-points beside the published values, each with the time of its write."""
 
 from __future__ import annotations
 
@@ -43,4 +43,4 @@ def test_set_points_are_recorded() -> None:
         assert recording.series("b")[1].tolist() == [4, 7]
         assert recording.series("both")[1].tolist() == [5, 8]
         with pytest.raises(UnknownName, match="nor written"):
-            recording.series("shown")  # what is published is there as published, and nothing was
+            recording.series("shown")  # it would be there as it is published, but nothing was published

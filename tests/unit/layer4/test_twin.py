@@ -75,7 +75,7 @@ def test_async_publishes(scara: tuple[Board, Node]) -> None:
         async for _, snapshot in robot.publishes():
             sets.append(snapshot)
             if len(sets) == 2:
-                robot.stop_publishing()  # ends the loop, after what had come before
+                robot.stop_publishing()  # ends the loop after the values that had come before
         return counts, sets
 
     counts, sets = asyncio.run(asyncio.wait_for(main(), 20))

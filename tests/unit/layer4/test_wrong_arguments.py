@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whatever layers 3 and 4 are given, what comes out is an error of this library, and nothing was sent."""
+"""Whatever arguments layers 3 and 4 get, a wrong one gives an error of this library, and nothing is sent."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ Call = Callable[[Any, Any], object]
 
 
 def on(proxy: str, call: Call) -> Call:
-    """Return the call of a proxy of the rig."""
+    """Return a function that calls a proxy of the rig."""
     return lambda rig, x: call(getattr(rig, proxy), x)
 
 
 @dataclass
 class Rig:
-    """All there is to call, on a twin."""
+    """Everything that can be called, on a twin."""
 
     spec: Spec
     link: Link
@@ -87,7 +87,7 @@ def rig() -> Iterator[Rig]:
 
 
 class NoLink(Link):
-    """One that can be told what would stop the others' work."""
+    """A link for calls that would disturb the other tests."""
 
     def __init__(self) -> None:
         """Open nothing."""
@@ -101,7 +101,7 @@ def done(coroutine: Any) -> Any:
 
 
 def patience(x: Any) -> Any:
-    """Keep a test from waiting for hours where that is what a number says."""
+    """Shorten a wait in which a number means hours."""
     return 0.001 if isinstance(x, (int, float)) and not isinstance(x, bool) and 0.001 < x < 1e9 else x
 
 
@@ -205,7 +205,7 @@ for proxy, kind in (
             "bus_addresses": lambda p, x: p.bus_addresses(x),
         }.items()
     }
-# What takes nothing that could be wrong, or only what other rows try.
+# These take nothing that could be wrong, or only what other rows try.
 NOTHING_TO_TRY = {
     *("Node.cycle", "Node.publishes", "Node.publishing", "Node.start_publishing", "Node.stop_publishing"),
     *("Node.record", "ReadValue.is_published", "ReadValue.take", "ReadValue.listeners", "ValueGroup.cycle"),
@@ -236,7 +236,7 @@ def test_the_whole_surface_is_tried() -> None:
 
 
 def tried(rig: Rig, name: str, junk: Any) -> None:
-    """Make a call with junk. It works, or an error of this library says what is wrong."""
+    """Make a call with a wrong argument. It works, or an error of this library says what is wrong."""
     try:
         CALLS[name](rig, junk)
     except UnityLinkError as error:
@@ -278,7 +278,7 @@ def test_nothing_was_sent(rig: Rig, path: str, wrong: list[Any]) -> None:
 
 
 def test_a_raw_number_of_packed_bits_is_looked_into_first(rig: Rig) -> None:
-    """0b100 is a mode that there is not: it was sent, and then refused."""
+    """0b100 is not a valid mode. Once it was sent, and refused only after that."""
     rig.robot.stop_publishing()
     before = rig.link.statistics().requests
     with pytest.raises(ValueRangeError, match=r"flags\.mode: 4: .* nothing was sent"):

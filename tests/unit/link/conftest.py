@@ -14,7 +14,7 @@ from unitylink import Link, connect
 
 @pytest.fixture(scope="session")
 def fake() -> ModuleType:
-    """The module of the fake device: FakeDevice, message, crc8."""
+    """Return the module of the fake device: FakeDevice, message, crc8."""
     return importlib.import_module("unit.link.fake_device")
 
 

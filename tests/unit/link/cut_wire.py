@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A TCP line between a link and a board: cut behind any byte, stopped, or led to another board."""
+"""A TCP line between a link and a board. It can be cut after any byte, stopped, or led to another board."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ TO_BOARD, TO_HOST = "to the board", "to the host"
 
 
 class CutWire:
-    """Forwards bytes. `cut_after(way, count)` breaks the line when so many more have passed one way.
+    """Forwards bytes. `cut_after(way, count)` breaks the line after `count` more bytes in one direction.
 
-    `on_cut` is called then, before the next client is let in: a test may exchange the board meanwhile.
+    `on_cut` is called then, before the next client can connect. So a test may replace the board meanwhile.
     """
 
     def __init__(self, board_url: str) -> None:
         self.board_url = board_url
         self.cuts = 0
-        self.stopped = False  # bytes are taken and go nowhere
+        self.stopped = False  # if true, bytes are taken and dropped
         self.on_cut: Callable[[], None] = lambda: None
         self._left: dict[str, int | None] = {TO_BOARD: None, TO_HOST: None}
         self._change: Callable[[], str] | None = None
@@ -38,7 +38,7 @@ class CutWire:
         self._wake.send(b".")
 
     def lead_to(self, change: Callable[[], str]) -> None:
-        """Lead the line to the board that `change` makes; its client notices nothing of it."""
+        """Lead the line to the board that `change` makes. The client notices nothing."""
         self._change = change
         self._wake.send(b".")
 
@@ -61,7 +61,7 @@ class CutWire:
             try:
                 board = self._forward(host, board)
             finally:
-                board.close()  # first: it is free again when the host comes back
+                board.close()  # closed first, so that the board is free again when the host comes back
                 host.close()
                 if self._left != {TO_BOARD: None, TO_HOST: None}:
                     self._left = {TO_BOARD: None, TO_HOST: None}
@@ -73,7 +73,7 @@ class CutWire:
         return socket.create_connection((place.hostname, place.port))
 
     def _forward(self, host: socket.socket, board: socket.socket) -> socket.socket:
-        """Return the socket to the board that there is at the end."""
+        """Return the socket to the board that is there at the end."""
         while not self._over.is_set() and 0 not in self._left.values():
             ready, _, _ = select.select([host, board, self._woken], [], [])
             if self._woken in ready:

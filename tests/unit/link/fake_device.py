@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A small classic device on one end of a socketpair, with hooks for misbehaviour; the twin is the model."""
+"""A small classic device on one end of a socketpair, with hooks for faults. The twin is its model."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def message(head: str, letters: str, data: bytes = b"") -> bytes:
 class FakeDevice:
     """8-bit addresses, 32-bit words, 16 addresses a group.
 
-    `intercept(command, data)` may answer in the device's place: bytes are sent as they are (b"" is silence),
-    None means go on as usual.
+    `intercept(command, data)` may answer in the device's place. Bytes are sent as they are, and b"" is
+    silence. None means to go on as usual.
     """
 
     def __init__(self, *, banner: bytes = b"", configuration: str | None = CONFIGURATION) -> None:
@@ -48,7 +48,7 @@ class FakeDevice:
         self._thread.start()
 
     def url(self, options: str = "timeout=0.05") -> str:
-        """What a link connects to; it takes the descriptor over."""
+        """Return the URL to connect to. The link then owns the descriptor."""
         return f"fd:{self.host.detach()}?{options}"
 
     def send(self, data: bytes) -> None:
@@ -60,7 +60,7 @@ class FakeDevice:
         self.send(message(head, "PUB", data))
 
     def unplug(self) -> None:
-        with contextlib.suppress(OSError):  # the host may have left before
+        with contextlib.suppress(OSError):  # the host may already have left
             self._socket.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
@@ -69,7 +69,7 @@ class FakeDevice:
         self._socket.close()
 
     def _serve(self) -> None:
-        with contextlib.suppress(OSError):  # the host left in the middle of something
+        with contextlib.suppress(OSError):  # the host left in the middle of a message
             self._serve_until_end()
 
     def _serve_until_end(self) -> None:

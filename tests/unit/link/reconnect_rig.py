@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A board behind a line that is cut, and the board's own count of what was written to it."""
+"""A board behind a line that is cut. The board itself counts what was written to it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ CONFIGURATION = BoardConfiguration(groups=4, fifos=(FifoConfiguration(base=FIFO,
 
 
 class Rig:
-    """A board that can be cut off or killed and made anew, and what was written to all of its lives.
+    """A board that can be cut off, or killed and made again. It keeps what was written to all of its lives.
 
-    Each word written to the FIFO stays there, once for each time it was written: the board's own count.
+    Each word written to the FIFO stays there, once for each write. So the board itself keeps the count.
     """
 
     def __init__(self, configuration: BoardConfiguration = CONFIGURATION) -> None:
@@ -51,7 +51,7 @@ class Rig:
 
 
 def opened(url: str, protocol: str, options: str = "") -> Link:
-    """A machine that is busy must not look like a device that is silent: hence the long timeout."""
+    """The timeout is long, because a busy machine must not look like a silent device."""
     return connect(f"{url}?timeout=5&protocol={protocol}{options}", reconnect=True)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the shared library shows is what unitylink.h promises, no more and no less."""
+"""The shared library exports exactly what unitylink.h promises."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_symbols(library: Path) -> None:
 
 
 def test_it_is_the_core_alone(library: Path) -> None:
-    """Who uses a board from C does not load the model of one, nor the fault simulation."""
+    """A user of a board from C does not load the model of one, nor the fault simulation."""
     has = subprocess.run(["nm", "-C", library], check=True, capture_output=True, text=True).stdout
     assert "unitylink::FramedEngine::" in has, "nm shows no inner symbols: was the library stripped?"
     assert not re.findall(r"unitylink::(?:device|faults)::\S+", has)

@@ -44,7 +44,7 @@ def test_a_cancelled_request_holds_up_nobody(link: Link, device: Any) -> None:
         stuck.cancel()
         write.cancel()
         assert await asyncio.wait_for(link.read_async(2, timeout_s=1), 30) == device.memory[2]
-        assert "W" not in device.log  # it had not been sent
+        assert "W" not in device.log  # the write had not been sent
 
     asyncio.run(main())
 
@@ -79,7 +79,7 @@ def test_closing_a_subscription_ends_its_iteration(link: Link, device: Any) -> N
         pending = asyncio.ensure_future(link.read_async(1))
         await asyncio.sleep(0)
         link.close()
-        with contextlib.suppress(LinkClosed):  # it may have been answered before
+        with contextlib.suppress(LinkClosed):  # it may already have been answered
             await pending
 
     asyncio.run(main())

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Batches: any operations in order, in one message where there are frames, against a model of the words."""
+"""Batches: any operations in order, in one message if there are frames.
+
+A model of the words gives the expected results.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ def link(request: pytest.FixtureRequest) -> Iterator[Link]:
 
 
 def anything(batch: Batch, words: dict[int, int], choose: random.Random) -> list[tuple[Pending, int]]:
-    """Put some operations into a batch; return what its reads must give."""
+    """Put some operations into a batch. Return the expected results of its reads."""
     expected: list[tuple[Pending, int]] = []
     for _ in range(choose.randrange(1, 60)):
         address, value, mask = (choose.randrange(n) for n in (0x40, 1 << 32, 1 << 32))

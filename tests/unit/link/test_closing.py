@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What had come when a subscription is closed is called back for or can be drained; then all is quiet."""
+"""Publishes that came before a subscription was closed reach the callback or can be drained.
+
+After that, nothing more comes.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,13 @@ import pytest
 from unitylink import Link, LinkClosed, connect
 from unitylink.simulate import Board, BoardConfiguration
 
-HOURS_S = 3600  # a request is answered before, however busy the machine is; what hangs is ended by pytest
+HOURS_S = 3600  # no request takes so long, even on a busy machine; pytest ends a test that hangs
 SPEC = "public robot() { @count = 0x1: READ(PUBLISH(1,1)); }"
 
 
 @pytest.fixture(params=["classic", "framed", "mapped", "sim"])
 def any_link(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Link]:
-    """A link to each kind of device; all publish by themselves, at 1 kHz at most."""
+    """Yield a link to each kind of device. All of them publish by themselves, at 1 kHz or slower."""
     if request.param == "mapped":
         (tmp_path / "registers").write_bytes(bytes(64))
         with connect(f"mmap:{tmp_path / 'registers'}") as link:
@@ -38,7 +41,7 @@ def any_link(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Link]:
 
 
 def numbered(device: Any, subscription: Any, numbers: range) -> None:
-    """Publish numbers, which nobody waits for: some may still be on their way."""
+    """Publish numbers. The test does not wait for them, so some may still be on their way."""
     for number in numbers:
         device.memory[subscription.addresses[0]] = number
         device.publish(subscription.group)
@@ -66,7 +69,7 @@ def test_all_that_was_sent_before_is_there(link: Link, device: Any, seed: int) -
         numbered(device, subscription, range(count))
         subscription.close()
         if not how:
-            link.subscribe([1], divisor=10).close()  # in the same group
+            link.subscribe([1], divisor=10).close()  # another subscription of the same group
             assert subscription.available == count
             assert count == 0 or subscription.wait(0)
             times, words = subscription.drain()
@@ -107,12 +110,14 @@ def test_on_every_kind_of_board(any_link: Link, seed: int) -> None:
         assert any_link.statistics().publishes - before == total
         assert heard.missing == read.missing == any_link.statistics().overruns == 0
         any_link.read(0)
-        assert called[0] == after  # not called again
+        assert called[0] == after  # no more calls came
 
 
 @pytest.mark.parametrize("what", ["itself", "another", "link"])
 def test_what_a_callback_that_closes_leaves_can_be_drained(link: Link, device: Any, what: str) -> None:
-    """The call that closes is the last one, also of what had been fetched for the next calls."""
+    """The call that closes is the last one, even if more publishes had already been fetched for the next
+    calls.
+    """
     subscription, other = link.subscribe([1], divisor=10), link.subscribe([2], divisor=10)
     got: list[int] = []
     others: list[int] = []
@@ -122,7 +127,7 @@ def test_what_a_callback_that_closes_leaves_can_be_drained(link: Link, device: A
         got.append(words[0])
         if len(got) == 1:
             called.set()
-            assert go_on.wait(20)  # until more have come, which are then fetched together
+            assert go_on.wait(20)  # wait until more publishes have come, which are then fetched together
         if len(got) == 5:
             {"itself": subscription, "another": other, "link": link}[what].close()
             closed.set()
@@ -146,7 +151,7 @@ def test_what_a_callback_that_closes_leaves_can_be_drained(link: Link, device: A
 
 
 def test_callbacks_that_close_each_other_do_not_wait_for_each_other() -> None:
-    """Each closes the other's subscription while both are within their first call."""
+    """Each callback closes the other's subscription, while both are in their first call."""
     with (
         Board() as one,
         Board() as two,
@@ -162,13 +167,13 @@ def test_callbacks_that_close_each_other_do_not_wait_for_each_other() -> None:
 
             def callback(time_s: float, words: tuple[int, ...]) -> None:
                 calls.append(time_s)
-                if len(calls) > 1:  # the other has not closed this one yet
+                if len(calls) > 1:  # the other callback has not closed this subscription yet
                     return
                 both.wait()
                 try:
                     subscriptions[other].close()
                     done.put(other)
-                except BaseException as error:  # it has waited, until that was too long
+                except BaseException as error:  # it waited for the other one until a timeout
                     done.put(error)
                     raise
 
@@ -188,7 +193,7 @@ def test_who_closes_waits_for_a_call_under_way(link: Link, device: Any) -> None:
     def callback(time_s: float, words: tuple[int, ...]) -> None:
         under_way.set()
         assert go_on.wait(20)
-        subscription.close()  # although another thread is at it, and waits
+        subscription.close()  # although another thread is closing it, and waits
         order.append("called")
 
     def close() -> None:

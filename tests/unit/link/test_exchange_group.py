@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exchange groups: named once, then a few bytes write all outputs and bring all inputs back."""
+"""Exchange groups: the words are named once. Then a few bytes write all outputs and read all inputs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def test_only_data_travels_and_each_word_in_its_bytes() -> None:
             assert group.exchange([0xA0B0C0D0, 7]).tolist() == [0x5678, 0xFFFF, 0xA0B0C0D0]
             after = link.statistics()
             assert after.requests == before.requests + 1
-            assert after.bytes_sent - before.bytes_sent == 1 + 1 + 3 + 5 + 3 + 1  # id and group, 5 of data
+            # id and group, 5 bytes of data
+            assert after.bytes_sent - before.bytes_sent == 1 + 1 + 3 + 5 + 3 + 1
             assert board.registers[0x21] == 7
             for words, trouble in (([1], "2 outputs"), ([1, 256], "1 bytes")):
                 with pytest.raises(ValueRangeError, match=trouble):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The framed protocol from Python, against the twin; and against the reference device over a bad line."""
+"""The framed protocol from Python, on the twin, and on the reference device over a bad line."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_batch_is_one_message_each_way() -> None:
         with pytest.raises(ZeroDivisionError), link.batch() as batch:
             batch.write(0x10, 1 // 0)
         assert link.exchange([0x10, 0x11], writes=[(0x11, 9)]).tolist() == [0x30, 9]
-        pairs = np.array([[0x12, 7], [0x13, 1 << 31]])  # any pairs will do
+        pairs = np.array([[0x12, 7], [0x13, 1 << 31]])  # any array of pairs is accepted
         for writes in (pairs, {0x12: 7, 0x13: 1 << 31}.items(), ((where, what) for where, what in pairs)):
             assert link.exchange((0x12, 0x13), writes).tolist() == [7, 1 << 31]
             link.write_many([0x12, 0x13], [0, 0])

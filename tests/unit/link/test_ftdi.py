@@ -32,8 +32,10 @@ def board() -> Iterator[Board]:
 
 @pytest.fixture
 def plug(fake_library: Path, board: Board, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plug:
-    """Plug a chip in that has the board behind it: plug(serial="FT1", unplug=1000) returns its log."""
-    # A library of its own for each test: it keeps the chip's state.
+    """Return a function that plugs in a chip with the board behind it: `plug(serial="FT1", unplug=1000)`
+    returns its log.
+    """
+    # A library of its own for each test, because it keeps the chip's state.
     library = tmp_path / "fake_libusb.so"
     shutil.copy(fake_library, library)
     monkeypatch.setenv("UNITYLINK_LIBUSB", str(library))
@@ -75,7 +77,7 @@ def test_the_synchronous_fifo(plug: Plug) -> None:
     said = log.read_text().splitlines()
     assert "40 0B 40FF 0000" in said and "40 02 0000 0100" in said and "40 06 0100 0000" in said
     assert "40 03" not in "".join(said)
-    assert said[-3:-1] == ["40 0B 0000 0000", "release 0"]  # as it was
+    assert said[-3:-1] == ["40 0B 0000 0000", "release 0"]  # as it was before
 
 
 @pytest.mark.parametrize(("protocol", "event"), [("classic", "010A"), ("framed", "0100"), ("auto", "0100")])
@@ -116,7 +118,7 @@ def test_many_words_both_ways(plug: Plug, packet: int) -> None:
 
 
 def test_large_transfers_keep_every_byte(plug: Plug) -> None:
-    """More bytes than a packet, a transfer and the socket hold, fetched late."""
+    """More bytes than a packet, a transfer and the socket can hold, fetched late."""
     log = plug()
     with Driver("ftdi:FT1?mode=fifo&event=none&latency=255") as driver:
         driver.send(b"#RLC\n")
@@ -145,7 +147,10 @@ def test_unplugged_in_the_middle_of_a_transfer(plug: Plug) -> None:
 
 
 def test_a_chip_that_is_plugged_in_again(plug: Plug, board: Board) -> None:
-    """Unplugged again and again, each time in the middle of a transfer: every write is told of rightly."""
+    """It is unplugged again and again, each time in the middle of a transfer.
+
+    Every write is reported correctly.
+    """
     plug(unplug=4000)
     with connect("ftdi:FT1?mode=fifo&timeout=5", reconnect=True) as link:
         number = told = 0
@@ -227,7 +232,7 @@ def test_without_the_library(plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def kernel_has(root: Path, port: Path, *, serial: str = "FT1", channel: int = 0, number: int = 0) -> None:
-    """Lay out what the kernel shows of a chip whose channel is a serial port."""
+    """Make the files that the kernel shows for a chip whose channel is a serial port."""
     chip = root / "sys" / "bus" / "usb" / "devices" / f"1-{number + 1}"
     chip.mkdir(parents=True)
     (chip / "idVendor").write_text("0403\n")
@@ -246,10 +251,10 @@ def test_the_kernels_port_is_taken_with_a_notice(plug: Plug, tmp_path: Path) -> 
             link = connect("ftdi:FT1?channel=B&baud=3000000")
         with link:
             assert link.read(0x18) == 0
-        for url in ("ftdi:FT1?channel=A", "ftdi:FT2?channel=B"):  # not that port
+        for url in ("ftdi:FT1?channel=A", "ftdi:FT2?channel=B"):  # these URLs name another channel or chip
             with pytest.raises(LinkError, match="LIBUSB_ERROR_ACCESS"):
                 connect(url)
-        with pytest.raises(LinkError, match="LIBUSB_ERROR_ACCESS"):  # the kernel has no such mode
+        with pytest.raises(LinkError, match="LIBUSB_ERROR_ACCESS"):  # the kernel's driver has no such mode
             connect("ftdi:FT1?mode=sync-fifo")
 
 
@@ -265,7 +270,7 @@ def test_the_kernels_ports_of_several_chips(plug: Plug, tmp_path: Path) -> None:
 
 
 def test_the_scara_moves(plug: Plug) -> None:
-    """The demo, unchanged, on the twin behind the chip."""
+    """The unchanged demo, on the twin behind the chip."""
     with Board(load(SCARA), plant=load_plant("scara", load(SCARA)), endpoint="tcp") as robot:
         plug(port=robot.url.rpartition(":")[2])
         with connect("ftdi:FT1?mode=fifo&fifo=256") as link:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Layers 0 and 1 without those above, and that any chunking of any bytes says the same."""
+"""Layers 0 and 1 without those above. Cutting any bytes into any chunks gives the same messages."""
 
 from __future__ import annotations
 
@@ -115,7 +115,8 @@ def test_chunks_do_not_matter(stream: bytes, data: st.DataObject) -> None:
     position=st.integers(0),
     bit=st.integers(0, 7),
 )
-@example(words=[0x8D4D6, 0x81F, 0x1052D74, 0x6E, 0x2CD08], position=48, bit=6)  # a digit becomes a head
+# a digit turns into the head of a message
+@example(words=[0x8D4D6, 0x81F, 0x1052D74, 0x6E, 0x2CD08], position=48, bit=6)
 def test_one_wrong_bit_gives_no_wrong_value(words: list[int], position: int, bit: int) -> None:
     data = b"".join(word.to_bytes(4, "big") for word in words)
     text = bytearray(ClassicEncoder(checked=True).encode("X", data).replace(b"$X", b"$S_RM").lower())
@@ -125,7 +126,7 @@ def test_one_wrong_bit_gives_no_wrong_value(words: list[int], position: int, bit
     assert good == [Reply("$", "S_RM", data)]
     text[position % (len(text) - 1)] ^= 1 << bit
     for event in ClassicDecoder().feed(bytes(text)):
-        if isinstance(event, Reply):  # a letter's case in a hex digit carries nothing
+        if isinstance(event, Reply):  # the case of a letter in a hexadecimal digit means nothing
             assert event.data == data
 
 
@@ -139,5 +140,5 @@ def _crc(data: bytes) -> int:
 
 
 def test_a_head_with_a_letter_behind_it_is_no_reply() -> None:
-    """A checksum `3f` of which a bit was flipped."""
+    """This is a checksum `3f` in which one bit was flipped."""
     assert not [e for e in ClassicDecoder().feed(b"$S_R:40de1212*#f\n") if isinstance(e, Reply)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a link ends: by close() in any thread, by Ctrl-C, at exit, in a forked child, forgotten."""
+"""How a link ends: by close() in any thread, by Ctrl-C, at exit, in a forked child, or forgotten."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_close_does_not_wait_for_those_who_wait(link: Link, device: Any) -> None
         except LinkClosed as error:
             ends.append(error)
 
-    link.subscribe([1], divisor=10)  # so that closing wants to tell the device
+    link.subscribe([1], divisor=10)  # so that closing sends something to the device
     device.intercept = silence
     thread = threading.Thread(target=read)
     thread.start()
@@ -84,7 +84,7 @@ def test_ctrl_c_ends_the_opening_of_a_silent_device(fake: ModuleType) -> None:
 def test_ctrl_c_ends_the_wait_for_a_publish(link: Link, device: Any) -> None:
     subscription = link.subscribe([1], divisor=10)
     interrupter = threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT))
-    with pytest.raises(KeyboardInterrupt):  # whether it comes before or during the wait
+    with pytest.raises(KeyboardInterrupt):  # before or during the wait
         interrupter.start()
         subscription.wait(HOURS_S)
     interrupter.join()
@@ -101,7 +101,7 @@ def test_ctrl_c_leaves_the_requests_of_other_threads_alone(link: Link, device: A
         return None
 
     def interrupt_when_both_wait() -> None:
-        got.append(link.read(2, timeout_s=HOURS_S))  # behind the one that is never answered
+        got.append(link.read(2, timeout_s=HOURS_S))  # this waits behind the request that is never answered
 
     device.intercept = intercept
     other = threading.Thread(target=interrupt_when_both_wait)
@@ -128,7 +128,7 @@ def test_a_signal_handler_that_returns_changes_nothing(link: Link, device: Any) 
         if command == "R" and data[0] == 1 and not heard:
             device.intercept = lambda command, data: None
             os.kill(os.getpid(), signal.SIGUSR1)
-            return b""  # the first attempt; the handler reads meanwhile
+            return b""  # the first attempt gets no answer; meanwhile the handler reads
         return None
 
     device.intercept = answer_late
@@ -191,7 +191,7 @@ def test_a_forgotten_link_closes_itself_and_says_so(fake: ModuleType) -> None:
     del link
     gc.collect()
     device.publish(0)
-    assert subscription.wait(10)  # who has a subscription keeps the link
+    assert subscription.wait(10)  # a subscription keeps its link alive
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         del subscription

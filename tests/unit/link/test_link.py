@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Link from Python against the fake device: values, errors as exceptions, publishes, threads."""
+"""Link from Python with the fake device: values, errors as exceptions, publishes, threads."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_timeout_says_what_how_often_and_how_long(link: Link, device: Any) -> No
     with pytest.raises(
         LinkTimeout, match=r"read of 0x88 unanswered after 3 attempts in .* ms; the device last"
     ) as caught:
-        link.read(0x88, timeout_s=0.05)  # each; so long that a busy machine sends all three
+        link.read(0x88, timeout_s=0.05)  # of each attempt; so long that even a busy machine sends all three
     error = caught.value
     assert (error.address, error.attempts) == (0x88, 3)
     assert error.elapsed_s >= 0.15
@@ -330,4 +330,4 @@ def test_nothing_is_left_open(fake: ModuleType) -> None:
         one()
     gc.collect()
     after = (len(os.listdir("/proc/self/fd")), threading.active_count())
-    assert after[0] <= before[0] and after[1] <= before[1]  # what earlier tests left may end meanwhile
+    assert after[0] <= before[0] and after[1] <= before[1]  # things that earlier tests left may end meanwhile

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`mmap:` links on a file of shared memory, which a process of its own serves as a device."""
+"""`mmap:` links on a file of shared memory. A process of its own plays the device on it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from unitylink.layer4_data import Node, ReadValue, WriteValue, load_spec_objects
 from unitylink.spec import compile_text
 
 WORDS = 1024
-# Word 0 counts, 1 is its complement (both change together but for a moment), 2 echoes 3, 4 says stop.
+# Word 0 counts, and word 1 is its complement. Both change together, except for a moment. Word 2 echoes word
+# 3, and word 4 says stop.
 DEVICE = """
 import numpy, sys
 words = numpy.memmap(sys.argv[1], dtype="<u4", mode="r+")
@@ -63,7 +64,7 @@ def memory(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def device(memory: Path) -> Iterator[Path]:
-    """A process that serves the file; it stops when word 4 says so."""
+    """A process that plays the device on the file. It stops when word 4 says so."""
     process = subprocess.Popen([sys.executable, "-c", DEVICE, str(memory)], stdout=subprocess.PIPE)
     assert process.stdout is not None and process.stdout.readline() == b"ready\n"
     yield memory
@@ -121,7 +122,7 @@ def test_words_of_one_moment(device: Path) -> None:
             except DeviceMismatch as error:
                 assert "2 words changed during each of 8 readings" in str(error)
                 refused += 1
-            else:  # the device writes one after the other: at most one apart, never further
+            else:  # the device writes one after the other, so they are never more than one step apart
                 assert (count + complement) & 0xFFFFFFFF in (0xFFFFFFFF, 0)
         assert refused < 300
         with pytest.raises(DeviceMismatch, match="by reading them twice, and these may not be"):

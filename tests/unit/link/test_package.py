@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The public surface of the package, and that asking for little loads little."""
+"""The public names of the package. Using a few of them loads little."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A link that watches its program: the dead-man trips though the process lives."""
+"""A link that watches its program: the dead-man trips if the program hangs, though its process lives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from unitylink.simulate import Board
 from unitylink.spec import compile_text
 
 SPEC = compile_text("public one() {\n   @a = 0x10: i16 READWRITE(SAFE=3);\n}\n", "one.ul").spec
-WORKED_S = 0.5  # a machine that is busy must not look like a program that hangs
+WORKED_S = 0.5  # a busy machine must not look like a program that hangs
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def board() -> Iterator[Board]:
 
 @contextmanager
 def working(link: Link) -> Iterator[None]:
-    """A program that says so from another thread."""
+    """A program that gives its sign of life from another thread."""
     over = threading.Event()
 
     def work() -> None:
@@ -50,10 +50,11 @@ def test_a_program_that_hangs_lets_the_dead_man_trip_and_goes_on_when_it_works_a
         link.watch_program(WORKED_S)
         with working(link):
             link.write(0x10, 7)
-            time.sleep(2 * WORKED_S)  # longer than it would be waited for, had it not worked
+            # longer than the limit, so without the signs of life the dead-man would trip
+            time.sleep(2 * WORKED_S)
             assert kinds(link) == []
             assert board.registers[0x10] == 7
-        until(lambda: board.registers[0x10] == 3)  # nothing but the gateware has written it
+        until(lambda: board.registers[0x10] == 3)  # only the gateware can have written it
         assert kinds(link) == ["lost"]
         assert "the program gave no sign of life for 500" in link._native.events(0)[0][0][2]
         with pytest.raises(LinkDown, match="no sign of life"):
@@ -70,14 +71,14 @@ def test_a_program_that_hangs_lets_the_dead_man_trip_and_goes_on_when_it_works_a
 
 
 def test_who_asks_for_more_than_that_still_needs_a_sign_of_life(board: Board) -> None:
-    """A thread that reads is no sign that the one that decides works."""
+    """A thread that reads is no sign that the deciding thread works."""
     with connect(f"{board.url}?timeout=5&deadman=0.2", reconnect=True) as link:
         link.watch_program(0.05)
         with pytest.raises(LinkDown):
             while True:
                 link.read(0x10)
         until(lambda: board.registers[0x10] == 3)
-        link.watch_program(0)  # nobody is watched any more
+        link.watch_program(0)  # the program is not watched any more
         assert link.wait_up(PATIENCE_S)
         time.sleep(0.1)
         assert link.read(0x10) == 3
@@ -89,7 +90,7 @@ def test_a_link_that_does_not_come_back_ends(board: Board) -> None:
         until(lambda: link.closed)
         with pytest.raises(LinkClosed, match="no sign of life"):
             link.read(0x10)
-        link.alive()  # too late, and no error
+        link.alive()  # this comes too late, but is no error
 
 
 def test_what_is_no_time_is_refused(board: Board) -> None:

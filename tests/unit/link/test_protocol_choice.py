@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which protocol is spoken, and how frames are checked, without anybody having said so."""
+"""The link chooses the protocol and the check of frames, if the URL does not."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_what_a_host_left_in_the_middle_of_a_frame_is_ended(protocol: str) -> No
 def test_frames_over_datagrams_carry_the_long_check(
     endpoint: str, long_frames: bool, check_bytes: int
 ) -> None:
-    """Where the device knows it, which our gateware does not."""
+    """This is so if the device supports it. Our gateware does not."""
     configuration = BoardConfiguration(long_frames=long_frames)
     with (
         Board(configuration=configuration, endpoint=endpoint) as board,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A line that comes back: what goes on, what is refused, what is told."""
+"""A line that comes back: what goes on, what is refused, what is reported."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from unitylink.errors import (
 from unitylink.layer2_message import LinkEvent
 from unitylink.simulate import BoardConfiguration
 
-# ---- what was asked for goes on
+# ---- what the program asked for goes on
 
 
 @pytest.mark.parametrize("protocol", ["framed", "classic"])
@@ -91,7 +91,7 @@ def test_a_subscription_that_was_closed_meanwhile_stays_closed(rig: Rig) -> None
 
 @pytest.fixture
 def lost(rig: Rig) -> Iterator[Link]:
-    """A link whose board is gone."""
+    """Yield a link whose board is gone."""
     with opened(rig.url, "framed") as link:
         rig.wire.close()
         until(lambda: link.trouble)
@@ -148,7 +148,7 @@ def test_reads_wait_where_the_url_says_so(rig: Rig) -> None:
             link.read(FIFO, repeat=False)
         threading.Timer(0.05, held.set).start()
         assert link.read_many([SCRATCH, SCRATCH]).tolist() == [5, 5]
-        rig.wire.cut_after("to the board", 3)  # within the request
+        rig.wire.cut_after("to the board", 3)  # in the middle of the request
         assert link.read(SCRATCH) == 5
         assert rig.wire.cuts == 2
     with opened(rig.url, "framed", "&wait=0.01") as link:
@@ -161,7 +161,7 @@ def test_reads_wait_where_the_url_says_so(rig: Rig) -> None:
 
 
 def test_close_waits_for_no_connection(rig: Rig) -> None:
-    """Nobody answers the port: a connection to it would wait for seconds."""
+    """Nobody answers at the port, so a connection to it would wait for seconds."""
     with opened(rig.url, "framed", "") as link:
         place = rig.wire.url
         rig.wire.close()
@@ -171,14 +171,14 @@ def test_close_waits_for_no_connection(rig: Rig) -> None:
             full.bind(("127.0.0.1", int(place.rsplit(":", 1)[1])))
             full.listen(0)
             waiting = []
-            for _ in range(4):  # fill its queue
+            for _ in range(4):  # fill its queue of connections
                 one = socket.socket()
                 one.setblocking(False)
                 one.connect_ex(full.getsockname())
                 waiting.append(one)
             attempts = link.trouble
             until(lambda: link.trouble != attempts or True)
-            time.sleep(0.3)  # within an attempt: each may take 15 s
+            time.sleep(0.3)  # now an attempt is under way, which may take 15 s
             started = time.monotonic()
             link.close()
             assert time.monotonic() - started < 5
@@ -224,7 +224,7 @@ def test_a_running_dead_man_makes_the_outputs_safe_and_is_armed_by_the_program(r
         rig.wire.on_cut = rig.restart
         rig.wire.cut_after("to the host", 0)
         until(lambda: link.statistics().reconnections == 2)
-        state = link.dead_man()  # a device that was reset has not tripped: it is watched again
+        state = link.dead_man()  # a device that was reset has not tripped, so it is watched again
         assert state is not None
         assert state.running and not state.tripped and state.silence_s == 20
 
@@ -278,14 +278,15 @@ def test_posts_that_were_not_confirmed_are_told_and_never_sent_again(rig: Rig) -
                 link.post(FIFO, number)
             link.sync()
         assert link.wait_up(PATIENCE_S)
-        if told.type is LinkDown:  # else sync() found the line back already
+        if told.type is LinkDown:  # otherwise sync() already found the line back
             with pytest.raises(OutcomeUnknown, match="the line lost"):
                 link.sync()
         link.sync()
         link.post(FIFO, 1000)
         link.sync()
     rig.close()
-    # The line may be back while the loop still posts: what it posts then is new; those of the cut lack.
+    # The line may be back while the loop still posts. These later posts are new. Only those lost at the cut
+    # are missing.
     assert rig.written == sorted(set(rig.written)), "a post came twice, or late"
     assert rig.written[0] == 1 and rig.written[-1] == 1000
     assert len(rig.written) < 400

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A line that comes back, cut anywhere, under boards that die and boards that go on.
+"""A line that comes back is cut at any byte, with boards that die and boards that run on.
 
-The board's own count says whether a set-point was written once, twice, late or never.
+The board itself counts whether a set-point was written once, twice, late or never.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from unit.link.reconnect_rig import FIFO, PATIENCE_S, SCRATCH, Rig, opened, unti
 from unitylink import Link
 from unitylink.errors import LinkDown, LinkError, OutcomeUnknown
 
-# ---- every moment: behind each byte of each kind of request, each way
+# ---- every moment: after each byte of each kind of request, in each direction
 
 
 class Writer:
-    """Writes numbers that never come again, and remembers what it was told of each."""
+    """Writes numbers that never come again, and keeps what the link reported for each."""
 
     def __init__(self, link: Link) -> None:
         self.link = link
@@ -50,7 +50,7 @@ class Writer:
         self.tell([number], lambda: self.group.exchange([number]))
 
     def read(self) -> None:
-        """Reads disturb nothing, and end: with the word, or as not asked."""
+        """Read. A read changes nothing, and always ends: with the word, or with an error."""
         self.tell([], lambda: self.link.read_many([SCRATCH, SCRATCH + 1]))
 
     def post(self) -> None:
@@ -62,7 +62,7 @@ class Writer:
 
         try:
             act()
-        except LinkDown:  # of the posts that were made, or of sync
+        except LinkDown:  # raised by one of the posts, or by sync
             self.unknown += numbers
             assert self.link.wait_up(PATIENCE_S)
             with contextlib.suppress(OutcomeUnknown):
@@ -87,8 +87,8 @@ class Writer:
         assert written == sorted(written), "a set-point came late"
 
 
-# Bytes from one cut to the next: every byte of a request and its answer. Posts and subscriptions are many
-# messages, and a board that dies has to be made anew each time.
+# Bytes from one cut to the next, through every byte of a request and its answer. Posts and subscriptions need
+# many messages, and a board that dies must be made again each time.
 EVERY = {"write": 1, "exchange": 1, "read": 1, "post": 3, "subscribe": 9}
 KILLED = 5
 
@@ -97,7 +97,7 @@ KILLED = 5
 @pytest.mark.parametrize("killed", [False, True])
 @pytest.mark.parametrize("what", EVERY)
 def test_the_line_is_cut_anywhere(rig: Rig, protocol: str, killed: bool, what: str) -> None:
-    """From the first byte of a request to the last of its answer."""
+    """It is cut from the first byte of a request to the last byte of its answer."""
     if killed:
         rig.wire.on_cut = rig.restart
     step = max(EVERY[what], KILLED if killed else 1)
@@ -115,7 +115,7 @@ def test_the_line_is_cut_anywhere(rig: Rig, protocol: str, killed: bool, what: s
                 cuts = rig.wire.cuts
                 rig.wire.cut_after(way, count)
                 act()
-                if rig.wire.cuts == cuts:  # the last byte is through
+                if rig.wire.cuts == cuts:  # the last byte passed uncut
                     rig.wire.cut_after(way, 0)
                 until(lambda cuts=cuts: rig.wire.cuts > cuts)
                 assert link.wait_up(PATIENCE_S)
@@ -130,7 +130,7 @@ def test_the_line_is_cut_anywhere(rig: Rig, protocol: str, killed: bool, what: s
 
 @pytest.mark.parametrize("protocol", ["framed", "classic"])
 def test_connecting_is_cut_anywhere(rig: Rig, protocol: str) -> None:
-    """The first time it is an error with a name; behind a loss it is tried again."""
+    """At the first connection, a cut is an error with the URL. After a loss, the link tries again."""
     whole = 0
     for count in range(0, 200, 3):
         rig.wire.cut_after("to the host", count)
@@ -140,7 +140,7 @@ def test_connecting_is_cut_anywhere(rig: Rig, protocol: str) -> None:
                 rig.wire.cut_after("to the host", 0)
                 until(lambda link=link: link.statistics().reconnections)
                 cuts = rig.wire.cuts
-                rig.wire.cut_after("to the host", 0)  # and once more while it is set up again
+                rig.wire.cut_after("to the host", 0)  # a second cut while the link is set up again
                 until(lambda cuts=cuts: rig.wire.cuts > cuts)
                 rig.wire.cut_after("to the host", count % 40)
                 assert link.wait_up(PATIENCE_S)
@@ -173,7 +173,7 @@ def test_boards_die_at_random_under_many_threads(rig: Rig) -> None:
             rig.wire.cut_after(random_.choice(["to the board", "to the host"]), random_.randrange(400))
             until(lambda turn=turn: rig.wire.cuts == turn)
             assert link.wait_up(PATIENCE_S)
-            # Some boards die again before they were set up; how many is up to the machine.
+            # Some boards die again before they are set up. The machine decides how many.
             if turn >= 20 and link.statistics().restarts > 5 and len(writer.done) > 20:
                 break
         over.set()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a URL may name for a line that comes back, and what it leaves behind."""
+"""Which URLs may name a line that comes back, and what such a line leaves behind."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_what_cannot_be_opened_again_says_so(rig: Rig) -> None:
         until(lambda link=link: link.statistics().reconnections)
     with connect(rig.url, reconnect=False) as link:
         rig.wire.cut_after("to the host", 0)
-        with pytest.raises(LinkError):  # nobody looks before somebody asks
+        with pytest.raises(LinkError):  # without reconnecting, only a request notices the loss
             link.read(SCRATCH)
         with pytest.raises(LinkClosed):
             link.wait_up(1)

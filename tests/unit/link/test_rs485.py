@@ -23,7 +23,10 @@ NODES = (1, 2, 3)
 
 
 def test_any_two_tokens_differ_in_four_bits() -> None:
-    """So up to three flips make no token of another, and nothing is a token that has no check bit."""
+    """So up to three flipped bits never turn a token into another.
+
+    Two bytes without check bits are no token.
+    """
     numbers = [
         int.from_bytes(token(node, poll=poll)[:2], "big")
         for node in range(RS485_NODES_MAX + 1)
@@ -50,7 +53,7 @@ def url(pair: Pair, node: int, more: str = "") -> str:
 
 
 def test_an_adapter_that_is_plugged_in_again(tmp_path: Path) -> None:
-    """The pair is gone while two of its nodes are in use; both links have it back."""
+    """The pair is gone while two of its nodes are in use. Later both links have it back."""
     place = tmp_path / "tty"
     with ExitStack() as stack:
         boards = {number: stack.enter_context(Board(endpoint="tcp")) for number in (1, 2)}
@@ -149,7 +152,7 @@ def test_one_link_to_a_node_and_one_rate(pair: Pair) -> None:
         with pytest.raises(LinkBusy, match="another program holds it"):
             connect(f"serial:{pair.path}")
         assert link.read(0x12) == 0
-    with connect(url(pair, 2, "&baud=9600")) as link:  # the first has let go
+    with connect(url(pair, 2, "&baud=9600")) as link:  # the first link has let the port go
         assert link.read(0x12) == 0
 
 

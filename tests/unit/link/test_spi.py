@@ -55,14 +55,16 @@ def test_words_both_ways_and_publishes(
 
 
 def test_a_wire_says_that_the_board_has_something(spi_client: SpiClient, board: Board) -> None:
-    """Without it the second publish would come with the next look: ten minutes later."""
+    """Without the wire, the second publish would come with the next poll: ten minutes later."""
     code = MOVE.replace("{options}", "poll=600&waiting=/dev/gpiochip0:25")
     said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0")
     assert said.splitlines() == ["True", "framed 0 0 0"]
 
 
 def test_a_port_or_a_wire_that_fails_while_it_is_set_up(spi_client: SpiClient, board: Board) -> None:
-    """Open, mode, lock, mode, bits and speed of the port; then chip, line and flags of the wire."""
+    """The steps that fail in turn: open, mode, lock, mode, bits and speed of the port, then chip, line and
+    flags of the wire.
+    """
     code = """
         import os
         from unitylink import LinkError, connect
@@ -107,7 +109,7 @@ def test_a_wire_that_is_not_there(spi_client: SpiClient, board: Board) -> None:
 
 
 def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None:
-    """More than a transfer, and the socket, hold; no filler is handed on."""
+    """These are more bytes than a transfer and the socket hold. No filler byte is passed on."""
     code = """
         from unitylink.layer0_driver import Driver
         with Driver("spi:/dev/spidev0.0?poll=1e-5") as driver:
@@ -128,7 +130,10 @@ def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None
 
 
 def test_nothing_is_clocked_within_a_message(spi_client: SpiClient, board: Board) -> None:
-    """A zero within a classic message would be an invalid character: `?f3` instead of the answer."""
+    """A zero within a classic message would be an invalid character.
+
+    The reply would be `?f3` instead of the answer.
+    """
     code = r"""
         import time
         from unitylink.layer0_driver import Driver

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Subscriptions after and beside each other, what callbacks may do, and how all hear of the end."""
+"""Subscriptions after and beside each other, what callbacks may do, and how all of them learn of the end."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_closed_subscription_has_nothing_of_the_next_one_in_its_group(link: Li
     first = link.subscribe([1, 2, 3], divisor=10)
     publish(device, first, 2)
     first.close()
-    assert first.drain()[1].shape == (2, 3)  # what came before it was closed
+    assert first.drain()[1].shape == (2, 3)  # these came before it was closed
     second = link.subscribe([4], divisor=10)
     assert second.group == first.group
     publish(device, second, 3)
@@ -74,7 +74,7 @@ def test_the_callback_thread_rests_while_all_may_wait(
     called.get(timeout=10)
     assert rests.get(timeout=10) == 0.02
     urgent.on_publish(callback)
-    device.publish(urgent.group)  # from its delivery on there is no rest
+    device.publish(urgent.group)  # after its delivery there are no pauses
     called.get(timeout=10)
     while not rests.empty():
         rests.get()
@@ -100,10 +100,11 @@ def test_several_that_have_come_are_offered_as_arrays_first(link: Link, device: 
     subscription = link.subscribe([1, 2], divisor=10)
     subscription.on_publish(each, arrays=arrays)
     row = (device.memory[1], device.memory[2])
-    for after in ([], [row, row], []):  # they are taken, then refused; at last it raises, which stops nothing
+    # the arrays are taken, then refused; in the third round the callback raises, which stops nothing
+    for after in ([], [row, row], []):
         go_on.clear()
         device.publish(subscription.group)
-        assert got.get(timeout=10) == row  # one alone is not offered
+        assert got.get(timeout=10) == row  # a single publish is not offered as an array
         publish(device, subscription, 2)
         go_on.set()
         assert got.get(timeout=10) == [list(row), list(row)]
@@ -226,11 +227,11 @@ def test_events(data_bits: int) -> None:
         assert subscription.wait(10)
         assert subscription.drain()[1].tolist() == [[9]]
         timed.close()
-        board.event(subscription.group)  # the other one's end did not take its event away
+        board.event(subscription.group)  # the end of the other subscription left this event alone
         assert subscription.wait(10)
         subscription.close()
         again = link.subscribe([2], divisor=65535)
         again.drain()
-        board.event(again.group)  # nobody asked for this event any more
+        board.event(again.group)  # no subscription uses this event any more
         assert link.read(2) == 9
         assert again.available == 0

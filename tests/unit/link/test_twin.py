@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Link against the twin, over every endpoint it has."""
+"""Link on the twin, over every endpoint that it has."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_many_callbacks_at_once() -> None:
             subscription = link.subscribe([which], divisor=1)
             subscription.on_publish(lambda time_s, words, which=which: counting(which))  # type: ignore[misc]
         assert enough.wait(20)
-        assert link.read(0) == 0  # requests go on beside it
+        assert link.read(0) == 0  # requests work meanwhile
 
 
 def test_asyncio_over_tcp() -> None:
@@ -139,7 +139,7 @@ def test_what_a_bus_timeout_on_2012_gateware_may_do_is_told() -> None:
         with pytest.raises(ProtocolError, match="after a bus timeout"):
             link.read(5, repeat=False)
         assert board.registers[5] == 0, "and it did"
-        link.write(5, 9)  # as the error says
+        link.write(5, 9)  # this is the remedy that the error names
         with pytest.raises(BusError, match="2012") as refused:
             link.write(0xF5, 1)
         assert refused.value.address == 0xF5
@@ -167,7 +167,7 @@ def test_connecting_to_a_board_that_another_program_left_publishing_in_mid_messa
             assert other.recv(100)
             other.sendall(b"#W:05DEAD")
         link = None
-        while link is None:  # the board notices a moment later that the other one has left
+        while link is None:  # the board notices only a moment later that the other client has left
             with contextlib.suppress(LinkBusy):
                 link = connect(options(board.url, "fifo=1024&timeout=5&protocol=classic"))
         with link:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Datagrams: what the network says of them, and who may send them."""
+"""Datagrams: what the network reports about them, and who may send them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from unitylink.simulate import Board
 
 
 def test_port_unreachable_is_a_lost_datagram_and_not_the_end() -> None:
-    """A board that is started again says it of itself, and anybody can say it in its name."""
+    """A board that restarts causes this message, and anybody can forge it."""
     with Board(endpoint="udp") as board:
         place = board.url
         link = Link(f"{place}?timeout=0.05&attempts=2")
@@ -21,7 +21,7 @@ def test_port_unreachable_is_a_lost_datagram_and_not_the_end() -> None:
     assert not link.closed
     with Board(endpoint=f"udp:{place.rpartition(':')[2]}") as again:
         again.registers[0x10] = 7
-        for _ in range(100):  # the session is another one: reads are asked again in it
+        for _ in range(100):  # the session is a new one, so reads are repeated in it
             try:
                 assert link.read(0x10) == 7
                 break

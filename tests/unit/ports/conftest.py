@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A machine made of files, and boards that misbehave."""
+"""A machine made of files, and boards with faults."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ USER = 1000
 
 
 class FakeMachine:
-    """Lays a port out as the kernel does, file by file, below a temporary folder."""
+    """Makes the files that the kernel shows for a port, below a temporary folder."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -33,7 +33,7 @@ class FakeMachine:
     def usb_port(
         self, name: str = "ttyUSB0", *, latency_ms: int = 1, mode: int = 0o666, channel: int = 0
     ) -> str:
-        """An FT2232H's channel, as /sys shows it."""
+        """Return the channel of an FT2232H as /sys shows it."""
         usb = "sys/devices/pci0/usb1/1-1"
         for file, text in (
             ("idVendor", "0403"),
@@ -78,7 +78,7 @@ def fake(tmp_path: Path) -> FakeMachine:
 
 
 class Clock:
-    """Time that passes only while somebody waits."""
+    """A clock that runs only while somebody waits."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
@@ -88,7 +88,7 @@ class Clock:
 
 
 class Board:
-    """Answers a request line with `reply(line)`; `delay_s` later, on a clock of its own."""
+    """A board that answers a request line with `reply(line)`, `delay_s` later on a clock of its own."""
 
     def __init__(self, reply: Callable[[bytes], bytes], clock: Clock, *, delay_s: float = 0.0005) -> None:
         self.reply = reply
@@ -116,7 +116,7 @@ class Board:
 
 
 def healthy(line: bytes, *, polynomial: int | None = 0x07) -> bytes:
-    """What a board with RLC says, however RLC is asked for."""
+    """Return the reply of a healthy board to any form of RLC."""
     if re.fullmatch(rb"!#RLC\n", line):
         return b"#CNF:" + CONFIGURATION.encode() + b"\n"
     right = ClassicEncoder(checked=True, polynomial=polynomial).encode("RLC")

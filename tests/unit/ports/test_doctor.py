@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One test a finding: something is made wrong, and the doctor must say just that."""
+"""One test for each finding: something is made wrong, and the doctor must report exactly that."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Reply = Callable[[bytes], bytes]
 
 @pytest.fixture
 def diagnose(fake: FakeMachine, clock: Clock) -> Callable[..., dict[str, Finding]]:
-    """Examine a board that answers like `reply`; the findings by code."""
+    """Return a function that examines a board with the replies of `reply`, and gives the findings by code."""
     fake.usb_port()
 
     def examined(
@@ -81,12 +81,12 @@ def test_what_connect_refuses_the_doctor_refuses_before_it_looks(
 def test_brltty(diagnose: Diagnose, fake: FakeMachine) -> None:
     fake.process(79, "brltty")
     assert list(diagnose(link="serial:/dev/ttyUSB7")) == ["no-port", "brltty"]
-    assert diagnose() == {}  # it left this port alone
+    assert diagnose() == {}  # the program left this port alone
 
 
 def test_no_serial_port(diagnose: Diagnose, fake: FakeMachine) -> None:
     fake.write("dev/null", "")
-    fake.process(80, "bash", holds="/dev/null")  # nobody is told to kill it
+    fake.process(80, "bash", holds="/dev/null")  # no finding asks to kill it
     assert list(diagnose(link="serial:/dev/null")) == ["no-serial-port"]
 
 
@@ -110,7 +110,7 @@ def test_modem_manager(diagnose: Diagnose, fake: FakeMachine) -> None:
     assert list(found) == ["modem-manager"]
     sudo, program, *rest = shlex.split(found["modem-manager"].remedy)
     assert (sudo, rest) == ("sudo", ["doctor", LINK, "--install"])
-    assert Path(program).is_absolute()  # sudo's path has no virtual environment
+    assert Path(program).is_absolute()  # sudo's path does not contain the virtual environment
 
 
 def test_latency_timer(diagnose: Diagnose, fake: FakeMachine) -> None:
@@ -136,7 +136,7 @@ def test_unreachable(fake: FakeMachine, clock: Clock) -> None:
 def test_a_line_that_is_lost_while_the_board_is_asked(
     fake: FakeMachine, clock: Clock, link: str, codes: list[str] | None
 ) -> None:
-    """A port that is unplugged then is no network device, and there is no host to ping."""
+    """A port that is unplugged then is not a network device, and there is no host to ping."""
 
     class Unplugged(Board):
         def send(self, data: bytes, *, timeout_s: float = 0) -> None:
@@ -191,7 +191,10 @@ def test_no_spi(diagnose: Diagnose, fake: FakeMachine) -> None:
 
 
 def test_a_node_on_a_pair_that_is_silent(fake: FakeMachine, clock: Clock) -> None:
-    """It knows frames only, so a link is opened instead of sending text; the port is looked at as any."""
+    """The node knows only frames, so a link is opened instead of sending text.
+
+    The port is examined like any other.
+    """
     fake.usb_port()
     asked = []
 
@@ -262,7 +265,7 @@ def test_a_board_that_goes_while_checksums_are_tried_is_not_asked_256_times(cloc
 
 
 def test_a_flooded_port_is_asked_all_the_same(clock: Clock) -> None:
-    """Noise that never ends: before the question, and behind it."""
+    """The noise never ends, before the question and after it."""
 
     class Flooded(Board):
         def receive(self, *, timeout_s: float = 1.0) -> bytes:
@@ -336,14 +339,14 @@ def test_losses(diagnose: Diagnose) -> None:
     assert list(found) == ["losses"] and "of 50 requests failed: silence" in found["losses"].cause
 
 
-# ---- what the spec says: against the twin
+# ---- a spec, compared with the twin
 
 
 def against(text: str, board: Twin) -> dict[str, Finding]:
     spec = compile_text(text.encode(), "arm.ul").spec
     assert isinstance(spec, Spec)
     found = examine(board.url, spec=spec, open_link=Link)
-    return {f.code: f for f in found if f.code != "slow"}  # a loaded machine may well be
+    return {f.code: f for f in found if f.code != "slow"}  # a loaded machine may really be slow
 
 
 def twin(**configuration: int) -> Twin:
@@ -367,7 +370,7 @@ def test_publishing() -> None:
 
 
 def test_other_gateware() -> None:
-    """Here the same words under other names: a write would move the wrong one, and no bus error tells."""
+    """Here the same words have other names. A write would move the wrong one, without any bus error."""
     text = "public arm() { @x = 0x10: WRITE(); @y = 0x11: WRITE(); }"
     with Twin(compile_text(text, "arm.ul").spec, endpoint="tcp:0") as board:
         found = against(text.replace("0x10", "0x12").replace("0x11", "0x10").replace("0x12", "0x11"), board)
@@ -385,7 +388,7 @@ def test_unverified_gateware() -> None:
 def test_wrong_spec() -> None:
     other = compile_text(b"public lamp(c,u) { TOSNET(CTRL=c,COMM=u); @led = 0x40: READ(); }", "lamp.ul").spec
     assert isinstance(other, Spec)
-    classic = BoardConfiguration.for_spec(other, protocol="classic")  # framed gateware says it itself
+    classic = BoardConfiguration.for_spec(other, protocol="classic")  # framed gateware reports this itself
     with Twin(other, configuration=classic, endpoint="tcp:0") as board:
         found = against(PUBLISHING.replace("0x10", "0x480"), board)
     assert (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the operating system knows of ports, read from a copy of its files."""
+"""What the operating system knows about ports, read from a copy of its files."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_the_mode_says_who_may(
 
 
 def test_what_an_access_list_grants_counts(fake: FakeMachine, monkeypatch: pytest.MonkeyPatch) -> None:
-    device = fake.usb_port(mode=0o660)  # of a group that the user is not in, but udev's `uaccess` lets them
+    device = fake.usb_port(mode=0o660)  # the user is not in its group, but udev's `uaccess` allows the access
     for granted in (True, False):
         monkeypatch.setattr(os, "access", lambda path, mode, granted=granted: granted)
         assert Machine(fake.root).may_open(device) is granted

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""protocol.toml and what is made from it agree, and what is made works."""
+"""protocol.toml and the files generated from it agree, and the generated code works."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A row of [settings] is all that a new setting takes: every language has its range and default."""
+"""A new setting needs only a row in [settings]: every language then has its range and default."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def generator() -> ModuleType:
 
 @pytest.fixture(scope="module")
 def table(generator: ModuleType) -> dict[str, dict[str, Any]]:
-    """The table with a row more of each kind."""
+    """Return the table with one more row of each kind."""
     sys.path.insert(0, str(ROOT / "protocol"))
     try:
         from generate import read_table
@@ -143,7 +143,7 @@ def test_a_range_is_kept_in_python_and_in_the_twin(setting: Setting) -> None:
         return
 
     class Unchecked:
-        """A configuration that Python has not looked at."""
+        """A configuration that Python has not checked."""
 
         def __getattr__(self, name: str) -> Any:
             return setting.most + 1 if name == setting.name else getattr(BoardConfiguration(), name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings made to do harm: what they expand to is bounded, and damage is an error of ours."""
+"""Malicious recordings: their expanded size is bounded, and damage gives an error of ours."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MEGABYTE = 1 << 20
 
 
 def of_messages(data: bytes, count: int = 1, names: str = '["x"]') -> bytes:
-    """Return the records of a chunk."""
+    """Return the records of one chunk."""
     builder = RecordBuilder()
     Channel(id=1, topic="/x", message_encoding="json", metadata={NAMES: names}, schema_id=0).write(builder)
     one = RecordBuilder()
@@ -49,19 +49,19 @@ def file_of(path: Path, compression: str, data: bytes, size: int, *, chunks: int
     writer.start()
     writer.finish()  # type: ignore[no-untyped-call]
     plain = stream.getvalue()
-    head = 8 + 9 + int.from_bytes(plain[9:17], "little")  # magic, and the header record
+    head = 8 + 9 + int.from_bytes(plain[9:17], "little")  # the magic bytes and the header record
     path.write_bytes(plain[:head] + builder.end() * chunks + plain[head:])
     return path
 
 
 @cache
 def zeros(of_mb: int) -> bytes:
-    """Return a frame of zstd that says how long it is."""
+    """Return a frame of zstd that states its length."""
     return zstandard.compress(bytes(of_mb * MEGABYTE))
 
 
 def unsized_zeros(of_mb: int) -> bytes:
-    """Return one that does not."""
+    """Return a frame of zstd that does not state its length."""
     return zstandard.ZstdCompressor(write_content_size=False).compress(bytes(of_mb * MEGABYTE))
 
 
@@ -84,7 +84,7 @@ def test_a_small_file_that_expands_to_a_large_one_is_refused(name: str, tmp_path
 
 
 def test_a_bomb_of_samples_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each is a sample, so some are read; not all of those that 40 kB can stand for."""
+    """Each record is a sample, so some are read. But not all of those that 40 kB can expand to are."""
     monkeypatch.setattr("unitylink.recording.mcap_reader._EXPANDED_BYTES", 1 << 16)
     records = of_messages(b'{"x":1}', 1000)
     path = file_of(tmp_path / "bomb.mcap", "zstd", zstandard.compress(records), len(records), chunks=30)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings: written and read back, by us and by the libraries of those who will open them."""
+"""Recordings, written and read back: by us, and by the libraries of those who will open them."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_other_files_and_endings_are_refused(tmp_path: Path) -> None:
 
 
 def test_pandas_reads_csv(tmp_path: Path) -> None:
-    import pandas as pd  # which takes long: in one worker only
+    import pandas as pd  # this takes long, so only one worker imports it
 
     write(tmp_path / "arm.csv", 500)
     frame = pd.read_csv(tmp_path / "arm.csv")
@@ -164,7 +164,7 @@ def test_pandas_reads_csv(tmp_path: Path) -> None:
 
 
 def test_the_format_s_own_reader_finds_topics_schemas_and_times(tmp_path: Path) -> None:
-    """The reader of Foxglove's library, which needs the index and the statistics at the end of the file."""
+    """The reader of Foxglove's library needs the index and the statistics at the end of the file."""
     write(tmp_path / "arm.mcap", 3000)
     with open(tmp_path / "arm.mcap", "rb") as stream:
         reader = make_reader(stream)
@@ -186,7 +186,7 @@ def test_the_format_s_own_reader_finds_topics_schemas_and_times(tmp_path: Path) 
 
 def test_a_recording_of_ten_minutes_at_1_khz_of_18_joints_is_whole(tmp_path: Path) -> None:
     names = tuple(f"leg[{leg}].{joint}" for leg in range(6) for joint in ("hip", "knee", "foot"))
-    count = 600_000 // 60  # a 60th here, some 40 chunks; the loop is the same for all of it
+    count = 600_000 // 60  # a 60th of the samples, some 40 chunks; the loop is the same for all samples
     with create(tmp_path / "walker.mcap", ORIGIN, names) as writer:
         for number in range(count):
             writer.add(

@@ -46,7 +46,7 @@ class Host:
         return Frame.decode(pieces[0], self.epoch) if pieces else None
 
     def request(self, kind: int, payload: bytes) -> tuple[int, bytes]:
-        """Status, and what stands behind `posts`."""
+        """Return the status, and the bytes after `posts`."""
         answer = self.ask(kind, payload)
         assert answer is not None
         return answer.kind - p.DEVICE_KIND_REPLY, answer.payload[4:]

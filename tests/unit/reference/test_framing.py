@@ -37,7 +37,7 @@ def test_cobs_there_and_back(payload: bytes) -> None:
 @pytest.mark.parametrize("size", [0, 1, 253, 254, 255, 508, 509])
 def test_cobs_of_long_runs(size: int) -> None:
     ones = bytes([1] * size)
-    assert cobs_decode(cobs_encode(ones)) == ones  # of which the last looks like an empty block
+    assert cobs_decode(cobs_encode(ones)) == ones  # the last block of these looks like an empty block
     payload = bytes([7]) * size
     assert cobs_decode(cobs_encode(payload)) == payload
     assert len(cobs_encode(payload)) == max(size + 1, size + -(-size // 254))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The native twin answers frames with the reference's bytes."""
+"""The native twin answers frames with the same bytes as the reference."""
 
 from __future__ import annotations
 
@@ -70,14 +70,14 @@ def ask(twin: _native.Device, data: bytes, clocks: int = 5_000) -> bytes:
 
 
 def open_session(twin: _native.Device, nonce: int = 1) -> None:
-    """Begin a session of a device, the first one, with EPOCH."""
+    """Open the first session of a device, with EPOCH."""
     assert len(list(Borders().feed(ask(twin, opening(nonce, EPOCH))))) == 2
 
 
 def a_scenario(seed: int) -> None:
-    """Play it to both. They must answer the same, and have the same words at its end."""
+    """Play a scenario to both. They must answer the same, and have the same words at the end."""
     a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
-    # What the gateware has, and all that the protocol has.
+    # First the features of the gateware, then all features of the protocol.
     credit, features = [(512, 0x1F), (0xFFFF, 0x3F)][seed % 2]
     settings = Settings(a, d, credit=credit, features=features, window=(8, 2, 32)[seed % 3], safe=SAFE)
     twin, reference = twin_of(settings), reference_of(settings)
@@ -92,7 +92,9 @@ def a_scenario(seed: int) -> None:
 
 
 def test_a_twin_of_the_small_engine() -> None:
-    """With its sizes, and without what it has not. tests/gateware compares the VHDL with the reference."""
+    """It has the sizes of the small engine, and lacks what that lacks. tests/gateware compares the VHDL with
+    the reference.
+    """
     for seed in range(12):
         a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
         settings = small_settings(a, d, (8, 2, 4)[seed % 3], safe=SAFE)
@@ -133,7 +135,7 @@ def test_safe_values_that_nobody_takes_are_written_at_each_tick_until_it_is_arme
     ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(EPOCH))
     twin.run_until((twin.clock // tick + 3) * tick)
     for _ in range(3):
-        twin.set(0x10, 9)  # as a slave does that has not heard
+        twin.set(0x10, 9)  # as in a slave that has missed the write
         twin.set(0x11, 9)
         twin.run_until(twin.clock + tick - 1)
         assert twin.get(0x10) == twin.get(0x11) == 9
@@ -216,7 +218,7 @@ def test_an_id_that_was_another_requests() -> None:
 
 
 def stalled_twin(settings: Settings) -> _native.Device:
-    """A device in a session that publishes, and whose host takes nothing from now on."""
+    """Return a device in a session that publishes. Its host takes nothing from now on."""
     twin = twin_of(settings, fifo=64)
     open_session(twin)
     define = field((0, 2), (0, 1), (1, 4), (0, 1), (2, 1), (0x10, 2), (0x11, 2))
@@ -230,7 +232,7 @@ def stalled_twin(settings: Settings) -> _native.Device:
 
 
 def say(twin: _native.Device, data: bytes, clocks: int) -> None:
-    """Send without taking what is answered."""
+    """Send without taking the answers."""
     while data:
         data = data[twin.receive(data) :]
         twin.run_until(twin.clock + 50)
@@ -238,7 +240,7 @@ def say(twin: _native.Device, data: bytes, clocks: int) -> None:
 
 
 def taken(twin: _native.Device, clocks: int) -> bytes:
-    """What comes while the host takes all of it."""
+    """Return what comes while the host takes all of it."""
     answer = b""
     for _ in range(20):
         twin.run_until(twin.clock + clocks // 20)
@@ -279,7 +281,7 @@ def test_frames_that_wait_are_signs_of_life() -> None:
     settings = Settings(features=0x3F, safe=SAFE)
     twin = stalled_twin(settings)
     tick = settings.clock_hz // settings.base_hz
-    for number in range(4, 12):  # none is answered
+    for number in range(4, 12):  # none of these is answered
         say(twin, Frame(p.REQUEST_KIND_READ, field((number, 2), (0x10, 2))).encode(EPOCH), 3 * tick)
         assert twin.get(0x10) == 9, "a host that sends is alive"
     twin.run_until(twin.clock + 6 * tick)

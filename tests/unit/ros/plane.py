@@ -18,7 +18,7 @@ PATIENCE_S = 30.0
 
 
 class MemoryPlane:
-    """Messages are namespaces of their fields; what is published is kept per topic."""
+    """Messages are namespaces of their fields. Published messages are kept for each topic."""
 
     def __init__(self) -> None:
         self.sent: dict[str, list[Any]] = {}
@@ -47,7 +47,7 @@ class MemoryPlane:
         return Port(send, lambda: True)
 
     def gathered(self) -> AbstractContextManager[None]:
-        return nullcontext()  # each message goes by itself
+        return nullcontext()  # each message is sent alone
 
     def subscribe(
         self, topic: Topic, take: Callable[[Any], None], refuse: Callable[[str, Exception], None]
@@ -63,7 +63,10 @@ class MemoryPlane:
             self._changed.notify_all()
 
     def wait(self, holds: Callable[[], bool]) -> None:
-        """Wait until something holds; what it reads may change elsewhere too, so it is also looked at."""
+        """Wait until the condition holds.
+
+        It is also polled, because what it reads may change elsewhere too.
+        """
         deadline = time.monotonic() + PATIENCE_S
         with self._changed:
             while not holds():

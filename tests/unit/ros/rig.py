@@ -55,7 +55,7 @@ def running(spec: Spec, url: str, **options: object) -> Iterator[tuple[RobotNode
 
 
 class Still:
-    """A plant that leaves the registers alone."""
+    """A plant that does not change the registers."""
 
     period_s = 0.001
 
@@ -71,8 +71,11 @@ def becomes(holds: Callable[[], bool]) -> None:
 
 
 class Cable:
-    """A wire to a board, whose end at the host stays a port in order while bytes are lost (`cut`), are late
-    (`held`), or while the board is replaced by another: an FPGA that was configured again."""
+    """A wire to a board.
+
+    Its end at the host stays a working port while bytes are lost (`cut`) or late (`held`). It also stays
+    while another board replaces this one, as when an FPGA is configured again.
+    """
 
     def __init__(self, board: Board) -> None:
         self.cut = self.held = False
@@ -100,11 +103,11 @@ class Cable:
             ready, _, _ = select(ends, [], [], 0.01)
             for end in ready:
                 if end is self._listening:
-                    if host is not None:  # whose end has not been read yet
+                    if host is not None:  # the board has not read the end of it yet
                         host.close()
                     host, _ = self._listening.accept()
                     continue
-                with suppress(OSError):  # of a board that is being replaced
+                with suppress(OSError):  # the board is being replaced
                     data = end.recv(65536)
                     if end is host and not data:
                         host.close()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Newest wins: what is written next is the newest of each value, however much came meanwhile."""
+"""The newest wins: the next write has the newest value of each item, however many came meanwhile."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from unitylink.ros.inbox import TRIES, Inbox
 
 
 class SlowGroup:
-    """What the inbox needs of a ValueGroup: each write waits until it is let through."""
+    """The part of a ValueGroup that the inbox needs. Each write waits until the test lets it through."""
 
     def __init__(self, *paths: str) -> None:
         self.writes = dict.fromkeys(paths, self)
@@ -45,7 +45,7 @@ def test_newest_wins_and_nothing_ages(messages: list[dict[str, int]]) -> None:
     inbox.put({"a": -1})
     assert group.begun.acquire(timeout=30)
     newest: dict[str, int] = {}
-    for message in messages:  # while the first write is on its way
+    for message in messages:  # during the first write
         inbox.put(message)
         newest |= message
     group.gate.release(2)

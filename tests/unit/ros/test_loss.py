@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a node does when its device, its line or one of its own threads is lost: it is safe first."""
+"""What a node does when its device, its line or one of its own threads is lost: first it makes the robot
+safe.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,10 @@ from unitylink.spec.model import Spec
 
 
 def test_waits_for_a_device_and_comes_back_safe(spec: Spec) -> None:
-    """Loss stops the publishes and refuses commands; on return the safe values come before anything else."""
+    """A loss stops the publishes and refuses commands.
+
+    On return, the safe values come before anything else.
+    """
     with Board(spec, plant=Still(), endpoint="tcp") as first:
         url = first.url
     with running(spec, url) as (node, plane):
@@ -41,7 +46,10 @@ def test_waits_for_a_device_and_comes_back_safe(spec: Spec) -> None:
 
 
 def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
-    """The port stays, nothing answers, and nobody commands: layer 2 asks, and the node tells."""
+    """The port stays, nothing answers, and nobody sends commands.
+
+    Layer 2 asks the device, and the node reports the silence.
+    """
     with Cable(board) as cable, running(spec, f"{cable.url}?timeout=0.2", deadman_s=0.0) as (node, plane):
         plane.wait(node.keeper.up.is_set)
         session = node._session
@@ -55,14 +63,17 @@ def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
 
 
 def test_the_gateware_is_safe_by_itself_and_the_node_comes_back(spec: Spec, board: Board) -> None:
-    """Bytes vanish, nobody is told: the dead-man trips; the node notices, arms it and forgets the past."""
+    """Bytes vanish without an error, and the dead-man trips.
+
+    The node notices it, arms it and forgets the past.
+    """
     with Cable(board) as cable, running(spec, f"{cable.url}?timeout=0.1", deadman_s=1.5) as (node, plane):
         plane.wait(node.keeper.up.is_set)
         assert node.health().facts["dead-man"] == "trips after 1.5 s"
         plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))
         plane.wait(lambda: board.registers[0x12] == 750)
         cable.cut = True
-        plane.wait(lambda: board.registers[0x12] == 250)  # nothing but the gateware can have done it
+        plane.wait(lambda: board.registers[0x12] == 250)  # only the gateware can have done it
         cable.cut = False
         plane.wait(lambda: node.keeper.losses >= 1 and node.keeper.up.is_set())
         assert any("armed again" in text for _, text in plane.said)
@@ -74,7 +85,7 @@ def test_the_gateware_is_safe_by_itself_and_the_node_comes_back(spec: Spec, boar
 
 def test_a_disarmed_node_leaves_a_tripped_gateware_safe(spec: Spec, board: Board) -> None:
     with Cable(board) as cable, Link(f"{cable.url}?timeout=0.05&attempts=1&deadman=0.05"):
-        cable.cut = True  # a program that was killed: nothing says goodbye
+        cable.cut = True  # as when a program is killed: nothing closes the session
         becomes(lambda: board.registers[0x12] == 250)
     with running(spec, board.url, armed=False) as (node, plane):
         plane.wait(lambda: node.health().facts.get("dead-man") == "tripped: the outputs are safe, call arm")
@@ -109,7 +120,7 @@ def test_what_has_no_dead_man_says_so(spec: Spec) -> None:
 
 
 def test_a_device_that_was_reset_is_made_safe_first(spec: Spec, board: Board) -> None:
-    """The port stays and the link comes back by itself: what was written is gone all the same."""
+    """The port stays and the link comes back by itself. Still, everything that was written is gone."""
     with (
         Board(spec, plant=Still(), endpoint="tcp") as other,
         Cable(board) as cable,
@@ -124,7 +135,7 @@ def test_a_device_that_was_reset_is_made_safe_first(spec: Spec, board: Board) ->
 
 @pytest.mark.parametrize("protocol", ["classic", "framed"])
 def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) -> None:
-    """The process lives, its link too: it is the node itself that finds out, and stops the keep-alive."""
+    """The process lives, and so does its link. The node itself notices, and stops the keep-alive."""
     configuration = BoardConfiguration.for_spec(spec, protocol="both" if protocol == "framed" else protocol)
     with (
         Board(spec, plant=Still(), configuration=configuration, endpoint="tcp") as board,
@@ -145,7 +156,8 @@ def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) ->
         assert node.refused == refused + 1
         done, why = plane.services["arm"](True)
         assert not done and "has not moved on" in why
-        plane.wait(lambda: not node.keeper.up.is_set())  # the program is not alive: the line is given up
+        # the program gives no sign of life, so the link gives up the line
+        plane.wait(lambda: not node.keeper.up.is_set())
         assert any("no sign of life" in text for _, text in plane.said)
 
 
@@ -171,7 +183,7 @@ def test_a_command_that_breaks_something_is_refused_and_the_next_is_taken(spec: 
 
 
 def test_no_command_of_before_a_loss_is_written_after_it(spec: Spec, board: Board) -> None:
-    """What waits in the inbox while the device is replaced is not for the one that comes."""
+    """Commands that wait in the inbox while the device is replaced are not sent to the new device."""
     with (
         Board(spec, plant=Still(), endpoint="tcp") as other,
         Cable(board) as cable,
@@ -189,7 +201,7 @@ def test_no_command_of_before_a_loss_is_written_after_it(spec: Spec, board: Boar
         session.inbox._group = SimpleNamespace(write=late, writes=group.writes)  # type: ignore[assignment]
         plane.takers["mode"](SimpleNamespace(data=1))
         plane.wait(lambda: session.inbox._busy)
-        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))  # waits for the write before
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))  # this waits for the write before it
         cable.cut = True
         plane.wait(lambda: not session.link.up)
         cable.replace(other)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a spec to ROS names and types: the rule of docs/ros.md."""
+"""From a spec to ROS names and types, by the rule of docs/ros.md."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def topics(interface: Interface) -> dict[str, str]:
 
 @given(st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,12}(\[[0-9]{1,2}\])?", fullmatch=True))
 def test_names_are_those_of_ros_2(name: str) -> None:
-    """ROS 2 is the stricter of the two: no double underscore, none at the end, fields in lower case."""
+    """ROS 2 is stricter than ROS 1: no double underscore, none at the end, fields in lower case."""
     assert re.fullmatch(r"[a-z]([a-z0-9]|_(?=[a-z0-9]))*", field_name(name))
     assert re.fullmatch(r"[A-Z][A-Za-z0-9]*", message_name(name))
     for made in (topic_name(name), joint_name(name)):
@@ -41,7 +41,9 @@ def test_names_are_those_of_ros_2(name: str) -> None:
 
 
 def test_scara() -> None:
-    """The paper's: one message per joint and direction, shared by all joints, and a scalar per set-point."""
+    """The paper's robot has one message per joint and direction, shared by all joints, and a scalar per
+    set-point.
+    """
     interface = plan_interface(load(EXAMPLES / "scara" / "scara.ul"))
     assert [message.name for message in interface.messages] == ["JointFeedback", "JointCommand"]
     found = topics(interface)
@@ -202,7 +204,10 @@ def test_no_field_is_a_word_of_cpp() -> None:
 
 @pytest.mark.parametrize("name", ["header", "read", "writeRequest"])
 def test_no_message_is_what_ros_has(name: str) -> None:
-    """In ROS 1 a type Header is that of std_msgs, and a service Read makes the file of a message Read."""
+    """In ROS 1, a type Header would be that of std_msgs.
+
+    A service Read also makes the file of a message Read.
+    """
     text = f"bits {name}: u8 {{ a: u4 @ 3..0; }} public p() {{ @x = 0x0: {name} READ(PUBLISH(1,1)); }}"
     spec = compile_text(text, "p.ul").spec
     assert spec is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The node against the twin, on a plane that keeps everything: publishes, commands, services."""
+"""The node on the twin, with a plane that keeps everything: publishes, commands, services."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> 
             (joints(), "the message sets no joint"),
         ):
             before = node.refused
-            node._complained_s = 0.0  # each of them, not one a second
+            node._complained_s = 0.0  # so that each of them is logged, and not only one a second
             plane.takers["joint_commands"](message)
             assert node.refused == before + 1 and says in plane.said[-1][1]
         assert board.registers[0x12] == 0, "nothing of a refused message is written"
@@ -84,7 +84,7 @@ def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> 
 
 
 def test_stamps_are_of_the_device_and_not_of_the_arrival(spec: Spec, board: Board) -> None:
-    """Publishes that were held up come together; their stamps stay a period apart."""
+    """Publishes that were held up come together. Their stamps stay a period apart."""
     with Cable(board) as cable, running(spec, f"{cable.url}?timeout=2", deadman_s=0.0) as (_, plane):
         plane.wait(lambda: len(plane.sent.get("joint_states", [])) > 2)
         before = len(plane.sent["joint_states"])

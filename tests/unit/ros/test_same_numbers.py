@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers that Python nodes, C++ nodes, parameter files and docs/ros.md have each for itself are the same."""
+"""Python nodes, C++ nodes, parameter files and docs/ros.md each contain some numbers.
+
+They are the same everywhere.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A board on its endpoints: one client at a time, then the next, and no plant's error swallowed."""
+"""A board on its endpoints: one client at a time, then the next. No error of a plant is swallowed."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_tcp_second_opener_hears_busy_and_the_next_is_let_in() -> None:
 
 
 def test_tcp_client_that_sends_no_more_still_gets_its_answers() -> None:
-    """As from `printf '#R:12\\n' | nc -N`; with a line that takes its time, too."""
+    """As with `printf '#R:12\\n' | nc -N`, also on a slow line."""
     for configuration in (BoardConfiguration(), BoardConfiguration(baud_hz=3_000_000)):
         with Board(configuration=configuration, endpoint="tcp") as board:
             client = dial(board)
@@ -130,7 +130,7 @@ def test_udp_second_opener_hears_busy_until_the_first_says_goodbye() -> None:
             assert first.recv(100) == b"#S_R:00000000\n"
             second.send(b"#R:10\n")
             assert second.recv(100) == b"?busy\n"
-            assert first.recv(100) == b"\n"  # the board asked whether it is still there
+            assert first.recv(100) == b"\n"  # the board asked whether the client is still there
             first.send(b"")
             second.send(b"#R:10\n")
             assert second.recv(100) == b"#S_R:00000000\n"
@@ -163,7 +163,7 @@ def test_pty_at_a_path_of_its_own(tmp_path: Path) -> None:
 
 
 def gone(path: Path, _: ExitStack) -> None:
-    """As a killed board leaves it: nobody has the number of its terminal, or the next board gets it."""
+    """The state after a board was killed: no terminal has its number, or the next board gets it."""
     for descriptor in linked(path):
         os.close(descriptor)
 
@@ -175,10 +175,10 @@ def linked(path: Path) -> tuple[int, int]:
 
 
 def of_another(path: Path, stack: ExitStack) -> None:
-    """The number of its terminal is that of another one by now."""
+    """By now, another terminal has its number."""
     gone(path, stack)
     while not path.exists() or path.stat().st_ctime_ns <= path.lstat().st_ctime_ns:
-        if path.exists():  # made within the same tick of the clock as the link
+        if path.exists():  # both were made within the same tick of the clock
             stack.close()
         for descriptor in pty.openpty():
             stack.callback(os.close, descriptor)
@@ -211,13 +211,14 @@ def test_the_link_of_a_board_that_runs_is_not(tmp_path: Path) -> None:
 
 
 def test_a_client_that_does_not_read_stops_the_board_and_loses_nothing() -> None:
-    request, count = b"#RM:20" + b"00" * 32 + b"\n", 4000  # more reply than all buffers on the way hold
+    # the replies are longer than all buffers on the way
+    request, count = b"#RM:20" + b"00" * 32 + b"\n", 4000
     reply = b"#S_RM:" + b"0" * 256 + b"\n"
     with Board(configuration=BoardConfiguration(read_many=32, clock_hz=500_000_000), endpoint="tcp") as board:
         with dial(board) as client:
             sender = threading.Thread(target=client.sendall, args=(request * count,))
             sender.start()
-            sender.join(0.05)  # as far as it comes while nobody reads
+            sender.join(0.05)  # it sends as much as it can while nobody reads
             received = b""
             while len(received) < len(reply) * count:
                 assert select.select([client], [], [], 10)[0]
@@ -238,7 +239,7 @@ def test_published_into_the_void_while_nobody_listens() -> None:
                 break
             stepped.wait(0.005)
         assert board.statistics.bytes_dropped > 0
-        with Link(f"{board.url}?timeout=10") as link:  # and a link copes with a board that publishes already
+        with Link(f"{board.url}?timeout=10") as link:  # a link also works on a board that already publishes
             assert link.read(5) == 0
 
 

@@ -48,7 +48,7 @@ def test_both_sides_see_the_same_values(spec: Spec) -> None:
         robot["target"].write(-0.25)
         assert values["target"] == pytest.approx(-0.25)
         values["angle"] = 7
-        assert values["angle"] == pytest.approx(1.571, abs=0.001)  # a sensor ends at its limit
+        assert values["angle"] == pytest.approx(1.571, abs=0.001)  # a sensor stops at its limit
 
 
 def test_mistakes_are_told_with_the_name(spec: Spec) -> None:

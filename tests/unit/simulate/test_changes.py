@@ -31,7 +31,7 @@ public arm() {
 
 
 class Still:
-    """A plant that moves nothing, and lets the board look."""
+    """A plant in which nothing moves. Its steps let the board notice changes."""
 
     period_s = 0.001
 
@@ -81,7 +81,7 @@ def test_a_counting_plant_changes_too(spec: Spec) -> None:
         twice = threading.Semaphore(0)
         force.on_change(lambda _: twice.release())
         assert twice.acquire(timeout=10) and twice.acquire(timeout=10)
-        for _ in range(50):  # every value it counts through is one of its type
+        for _ in range(50):  # every value that it counts through is valid for its type
             arm.snapshot()
 
 

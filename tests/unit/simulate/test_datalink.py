@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The lesser datalinks: what the twin answers on them, and a host that speaks to them."""
+"""The simpler datalinks: the twin's answers on them, and a host that uses them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def ask(device: Device, text: str) -> str:
         (LITE, [("#RM:02111z\n", "#S_RM:40de1111"), ("$", "?E_MAB\n"), ("#R:1 2\n", "#S_R:40de1212\n")]),
         (LITE, [("#R5\n", ""), ("#R:12\n", "#S_R:40de1212\n"), ("#EPC\n", "#?E_ICC\n")]),
         (LITE, [("#R:12" + "34" * 300 + "\n", "#S_R:40de1212\n")]),
-        # What a request cut short has done stays: a group without addresses, a byte of the mask.
+        # An incomplete request keeps what it has done: a group without addresses, one byte of the mask.
         (LITE, [("#WSA:00021112\n", "#S_WSA\n"), ("#WSA:000320\n", "#?E_MAB\n")]),
         (LITE, [("#WSA:00021112\n#WSA:000320\n", "#S_WSA\n#?E_MAB\n"), ("#RSI:00\n", "#S_RSI:000000\n")]),
         (LITE, [("#WIC:0003\n#WIC:ff\n#RIC\n", "#S_WIC\n#?E_MDB\n#S_RIC:0003\n")]),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The device from Python: any bytes leave it able to answer, and its answers do not depend on the pieces."""
+"""The device from Python: after any bytes it still answers, and its answers do not depend on the pieces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ def answer(device: Device, data: bytes, clocks: int = 200_000) -> bytes:
 
 
 def in_order(output: bytes) -> tuple[bytes, bytes]:
-    """Replies and datalink errors, each in order; which comes first between them is a matter of timing."""
+    """Return replies and datalink errors, each in order.
+
+    Which of the two comes first depends on the timing.
+    """
     lines = output.splitlines(keepends=True)
     return b"".join(x for x in lines if x[:1] != b"?"), b"".join(x for x in lines if x[:1] == b"?")
 
@@ -46,7 +49,7 @@ def test_any_bytes_in_any_pieces(data: bytes, sizes: list[int]) -> None:
         at, turn = at + size, turn + 1
     out += answer(pieces, b"")
     assert in_order(out) == in_order(once)
-    answer(whole, b"\n\0")  # out of whatever message or frame it was in
+    answer(whole, b"\n\0")  # ends whatever message or frame was open
     assert answer(whole, b"#R:1234\n") == b"#S_R:00000000\n" or b"W" in data.upper()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plants: what ramps, what echoes, and a robot that keeps its limits."""
+"""The plants: one that ramps, one that echoes, and a robot that keeps its limits."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_scara_moves_all_joints_to_their_set_points_and_clamps_at_the_stops(scar
     assert [words[0x88 + joint] for joint in (0, 1, 3)] == [4500, -9000, 18_000]
     assert words[0x88 + 2] == JOINTS[2].high * COUNTS_PER_UNIT  # the mechanical stop
     assert [words[0x80 + joint] for joint in range(4)] == [0, 0, 0, 0]
-    assert 19_000 < fastest < 21_500  # the speed set-point, and little beyond
+    assert 19_000 < fastest < 21_500  # it reaches the speed set-point, and hardly more
 
 
 def test_scara_holds_where_it_is_with_speed_zero_and_is_deterministic(scara: Spec) -> None:
@@ -229,7 +229,7 @@ def test_servos_follow_within_their_limits(scara: Spec) -> None:
     plant.attach(scara, registers)  # type: ignore[arg-type]
     assert len(plant.servos) == 4
     registers[0x8C], registers[0x94] = 100, 100  # 1 rad at 1 rad/s
-    registers[0x8D], registers[0x95] = (-500) & 0xFFFFFFFF, 1000  # beyond its stop, as fast as it can
+    registers[0x8D], registers[0x95] = (-500) & 0xFFFFFFFF, 1000  # a target beyond its stop, at full speed
     for step in range(300):
         plant.step(step * plant.period_s)
     assert 45 <= registers[0x88] <= 65, "0.6 s at 1 rad/s, after a start"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What Verilator is given, and what is said when a design or a tool will not do."""
+"""The input of Verilator, and the messages if a design or a tool cannot be used."""
 
 from __future__ import annotations
 
@@ -97,9 +97,9 @@ def test_choices_that_exclude_each_other_are_asked_one_after_the_other() -> None
 @pytest.mark.parametrize(
     "other",
     [
-        CHOICES.replace("2'b01", "2'b11"),  # a number, and no choice
+        CHOICES.replace("2'b01", "2'b11"),  # 2'b11 is a number and selects no single choice
         CHOICES.replace("assign n3_o = {n2_o, n1_o};", "assign n3_o = word;"),
-        "endmodule\n".join(CHOICES.split("\n", 1)),  # the bits are those of another module
+        "endmodule\n".join(CHOICES.split("\n", 1)),  # the bits belong to another module
     ],
 )
 def test_other_cases_stay_as_they_are(other: str) -> None:
@@ -148,7 +148,7 @@ def test_a_board_behind_a_chip_has_its_files_and_refuses_what_is_no_layer(tmp_pa
     assert (behind.top, plain.top) == ("lamp_behind_ft245_async", "lamp_design")
     assert set(behind.files) - set(plain.files) == {"lamp_behind_ft245_async.vhd", "ft245_chip.vhd"}
     assert "send_immediate => never" in behind.files["lamp_behind_ft245_async.vhd"]
-    with connect(f"sim:{file}?physical=ft245_async") as link:  # the twin is flow-controlled anyway
+    with connect(f"sim:{file}?physical=ft245_async") as link:  # the twin always has flow control
         link.write(0x10, 1)
     with pytest.raises(ValueRangeError, match="physical is 'usb'"):
         connect(f"sim:{file}?physical=usb")

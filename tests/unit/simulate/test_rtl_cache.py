@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cache of compiled gateware: built once, never half, mended when damaged."""
+"""The cache of compiled gateware: each is built once, is never incomplete, and is built again if damaged."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unitylink.simulate.rtl.cache import cached
 
 
 class Builder:
-    """Writes what it is told, and counts."""
+    """A builder that writes what it is told, and counts its calls."""
 
     def __init__(self, content: bytes = b"library") -> None:
         self.content = content

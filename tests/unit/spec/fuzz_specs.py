@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mutated specs: each gives only positioned diagnostics, in time, and what is valid survives formatting.
+"""Mutated specs: each gives only diagnostics with a place, and in time. A valid one survives formatting.
 
-`python tests/unit/spec/fuzz_specs.py --count 1000000` is the long form; the tests run a short one.
+The long form is `python tests/unit/spec/fuzz_specs.py --count 1000000`. The tests run a short one.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ import time
 import traceback
 from pathlib import Path
 
-SLOWEST_S = 1.0  # of one spec, in processor time
-PROGRESS = 50_000  # specs between two lines that say how far it is
+SLOWEST_S = 1.0  # limit for one spec, in processor time
+PROGRESS = 50_000  # specs between two lines of progress
 
 
 def main() -> int:
-    """Run until the count or the time is used up; print the text and the seed of each that fails."""
+    """Run until the count or the time is used up. Print the text and the seed of each failure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seconds", type=float, default=float("inf"))
@@ -41,7 +41,7 @@ def main() -> int:
         took_s = time.process_time() - started
         if took_s > slowest_s:
             slowest_s, slowest_seed = took_s, seed
-        if took_s > SLOWEST_S * 5:  # it is compiled and formatted several times
+        if took_s > SLOWEST_S * 5:  # each spec is compiled and formatted several times
             failures += 1
             print(f"seed {seed} takes {took_s:.2f} s:\n{text}", flush=True)
         count += 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which boards a spec has, and what of it each one is."""
+"""Which boards a spec has, and which part of it belongs to each."""
 
 from __future__ import annotations
 

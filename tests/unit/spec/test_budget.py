@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The budget: byte counts are those on the wire, latencies those of a simulated line."""
+"""The budget: byte counts are those on the wire, latencies are those of a simulated line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 
 def device(*groups: tuple[int, int]) -> Device:
-    """A device with (words, divisor) groups of plain memory."""
+    """Return a device with (words, divisor) groups of plain memory."""
     text = "public board() {\n"
     address = 0
     for words, divisor in groups:
@@ -60,15 +60,17 @@ def test_the_walker_by_hand() -> None:
     assert one.tick_bytes == 154 and one.bytes_per_s == 15_400
     assert one.load == pytest.approx(15_400 * 10 / 921_600)
     slow = next(baud for baud in one.bauds if baud.baud_hz == 115_200)
-    assert slow.load > 1 and slow.highest_hz == pytest.approx(1000 / 14)  # 13.4 ms a publish
+    assert slow.load > 1 and slow.highest_hz == pytest.approx(1000 / 14)  # a publish takes 13.4 ms
     assert one.fits_2012
     assert not budget(device((32, 10))).fits_2012
     assert budget(device((1, 1))).groups[0].latency_s is None, "no baud rate is known"
 
 
 def replayed(one: DeviceBudget, order: list[int], blocked_s: float) -> list[float]:
-    """Serve groups as they fall due, the first in `order` first, behind a message of `blocked_s`; return how
-    late each was at worst."""
+    """Serve groups when they are due, behind a message of `blocked_s`.
+
+    If several are due, `order` says which goes first. Return the worst delay of each.
+    """
     byte_s = BITS_PER_BYTE / (one.baud_hz or 1)
     due = [(1 / g.rate_hz * n, number) for number, g in enumerate(one.groups) if g.rate_hz for n in range(40)]
     worst = [0.0] * len(one.groups)
@@ -100,7 +102,8 @@ def test_no_order_of_service_is_later_than_the_bound(
     protocol = data.draw(st.sampled_from(["framed", "classic"]))
     one = budget(device(*groups), baud_hz=baud_hz, read_many=8, protocol=protocol)
     order = data.draw(st.permutations(range(len(one.groups))))
-    reply = 6 + 2 * 8 * 4 if protocol == "classic" else 6 + 8 * 4 + 6  # #S_RM: or LIST's, and eight words
+    # the head of #S_RM: or LIST, and eight words
+    reply = 6 + 2 * 8 * 4 if protocol == "classic" else 6 + 8 * 4 + 6
     blocked_s = reply * BITS_PER_BYTE / baud_hz
     for group, late_s in zip(one.groups, replayed(one, order, blocked_s), strict=True):
         if group.latency_s is not None:
@@ -129,7 +132,7 @@ def test_a_line_that_is_too_slow_has_no_bound() -> None:
 
 
 def test_sampling_is_bounded_by_the_isochrony_of_the_gateware() -> None:
-    """One group alone waits as long as isochrony() says, and then takes its time on the line."""
+    """A single group waits as long as isochrony() says, and then needs its time on the line."""
     link = "link l (ADDRESS=8, BAUD=1000000);\n"
     spec = compile_text(link + "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }", "board.ul").spec
     assert spec is not None
@@ -172,7 +175,7 @@ def test_events_wait_for_each_other_and_requests_have_their_turns() -> None:
     groups = budget(spec.devices[0], read_many=100, protocol="classic").groups
     assert len(groups) == 8 and len({group.latency_s for group in groups}) == 1
     assert groups[0].latency_s is not None
-    replies = 3 * (6 + 800) * 10e-6  # one has begun, two have their turns among eight publishes
+    replies = 3 * (6 + 800) * 10e-6  # one has begun, and two get their turns among eight publishes
     assert groups[0].latency_s > replies + 8 * 18 * 10e-6
 
 

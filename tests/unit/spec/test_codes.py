@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every diagnostic code: a spec that gives it, alone and at one place; and the mended spec, which gives none.
+"""Every diagnostic code has a spec that gives only this code, at one place. The mended spec gives none.
 
-The specs are those of src/unitylink/spec/report/explanations; those too long for a page are built here.
+The specs are those of src/unitylink/spec/report/explanations. Those too long for a page are built here.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def _nested(levels: int) -> str:
     return "public " + "".join(f"c{level}() {{ c: c{level + 1}(); }}\n" for level in range(levels))
 
 
-# code -> text, line and column: those whose text is too long for a file, and the other codes it also gives
+# code -> (text, (line, column), other codes that it also gives), for texts that are too long for a file
 BUILT: dict[str, tuple[str | bytes, tuple[int, int], set[str]]] = {
     "UL000": (_flat("@;" * 1200), (2, 2003), {"UL010"}),
     "UL002": (_flat('@x = 0x1: READ(ID="speed in µm/s");').encode("latin-1"), (2, 32), set()),
@@ -68,7 +68,8 @@ def test_wrong_example_gives_its_code_and_nothing_else() -> None:
         _only(result, code, (page.line, page.column))
         span = result.diagnostics[0].span
         assert max(1, span.end - span.start) == page.width, code
-        assert result.diagnostics[0].hint or code == "UL010"  # there the message says what was expected
+        # for this code, the message itself says what was expected
+        assert result.diagnostics[0].hint or code == "UL010"
 
 
 def test_mended_example_is_without_diagnostic() -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The mistakes that people make in every specification language: each with place, cause and what to do.
+"""Common mistakes in any specification language: each is reported with its place, cause and remedy.
 
-Other tools were tried on the same list: many give no line for some of these, or stop at the first.
+Other tools were tried on the same list. Many give no line for some of these, or stop at the first one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ def public(*members: str) -> str:
 
 JOINT = "joint(name): @ (pos) {\n   @pos: READ(ID=name);\n}\n"
 
-# mistake -> text, (code, line, column), a word of the cause, a word of the remedy, can a machine mend it
+# mistake -> text, (code, line, column), a word of the cause, a word of the remedy, whether a fix exists
 CORPUS = {
     "missing semicolon": (public("@x = 0x1: READ()"), ("UL011", 2, 20), "missing", "add `;`", True),
     "missing colon": (public("@x = 0x1 READ();"), ("UL010", 2, 13), "expected `:`", "add `:`", True),
@@ -266,7 +266,7 @@ def test_what_a_machine_can_mend_it_mends() -> None:
 
 
 def test_all_of_them_in_one_run() -> None:
-    """Members with ten different mistakes in one constructor: ten diagnostics, each in its line."""
+    """Ten different mistakes in the members of one constructor give ten diagnostics, each in its line."""
     lines = [text.splitlines()[1].strip() for text, place, *_ in CORPUS.values() if place[1] == 2]
     mistakes = [
         line.replace("@x", f"@x{i}").replace("0x1:", f"0x{i + 16:X}:") for i, line in enumerate(lines)

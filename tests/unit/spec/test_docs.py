@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/ul-spec.md is true: its specs compile, and its list of diagnostics is what the compiler says.
+"""docs/ul-spec.md is true: its specs compile, and its list of diagnostics has the compiler's own messages.
 
-`python tests/unit/spec/test_docs.py` writes that list anew.
+`python tests/unit/spec/test_docs.py` writes this list again.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def test_example_specs_are_without_diagnostic_and_formatted_as_shown() -> None:
     assert len(blocks) >= 4
     for block in blocks:
         assert compile_text(block).diagnostics == ()
-        if not re.search(r"\{ .* \}", block):  # constructors in one line save room on the page
+        if not re.search(r"\{ .* \}", block):  # constructors in one line save space on the page
             assert format_text(block) == block
 
 

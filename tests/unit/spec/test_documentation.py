@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `///` comments belong to, and that each is looked at once however many there are."""
+"""To what a `///` comment belongs. Each comment is looked at once, however many there are."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Counted:
 
 
 def test_many_lines_behind_one_token_are_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It took time by the square: 170,000 lines, which fit in a spec, took 8 s."""
+    """The time once grew with the square: a spec of 170,000 lines took 8 s."""
     counted = Counted(lexer._LINE_END)
     monkeypatch.setattr(lexer, "_LINE_END", counted)
     text = "public a() {\n" + "/// line\n" * 500 + "@x = 0x1: READ(); }"

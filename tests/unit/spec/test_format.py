@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The formatter: canonical layout, comments kept. (Idempotent, same meaning: test_properties.py)"""
+"""The formatter: canonical layout, comments kept.
+
+(test_properties.py tests that it is idempotent and keeps the meaning)
+"""
 
 from __future__ import annotations
 

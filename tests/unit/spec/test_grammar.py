@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parser agrees with the reference grammar, ul.lark, about what is a spec and what is none.
+"""The parser and the reference grammar, ul.lark, agree about which texts are specs.
 
-Both are shown the right specs of the project and mutations of them: tokens left out, doubled, swapped,
-replaced and put in, by chance with a fixed seed.
+Both get the valid specs of the project and random mutations of them: tokens removed, doubled, swapped,
+replaced and inserted.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ RIGHT = [
 ]
 MUTATIONS = 1_200
 
-# Codes of form that no grammar of this kind can express; see the head of ul.lark.
+# Codes of form that no grammar of this kind can express. See the head of ul.lark.
 _LENGTHS_AND_PLACES = {"UL003", "UL009", "UL016", "UL017", "UL018", "UL019", "UL045"}
 _LAST_OF_FORM = "UL019"
 
@@ -51,7 +51,7 @@ def grammar_accepts(grammar: Lark, text: str) -> bool:
 
 
 def faults_of_form(text: str) -> list[Diagnostic]:
-    """Return what the parser has against the form of a text, but for what the grammar leaves to it."""
+    """Return the parser's complaints about the form of a text, without those that no grammar covers."""
     return [
         diagnostic
         for diagnostic in compile_text(text).diagnostics
@@ -60,14 +60,16 @@ def faults_of_form(text: str) -> list[Diagnostic]:
 
 
 def tokens_of(text: str) -> list[str]:
-    """Return the tokens of a right text as they are written, comments left out."""
+    """Return the tokens of a valid text as they are written, without comments."""
     tokens = tokenize(Reporter(Source("x.ul", text)))
     count = tokens.kinds.index("end")
     return [text[tokens.starts[i] : tokens.ends[i]] for i in range(count)]
 
 
 def likeness(token: str) -> str:
-    """Return what kind of token it is, roughly: its first character, letters and digits by kind."""
+    """Return the rough kind of a token: its first character, but one kind for all letters and one for all
+    digits.
+    """
     return "a" if token[0].isalpha() else "0" if token[0].isdigit() else token[0]
 
 
@@ -116,11 +118,11 @@ def test_mutations_are_judged_alike(grammar: Lark) -> None:
         text = " ".join(tokens)
         faults = faults_of_form(text)
         if any("the divisor of the base publish frequency" in fault.message for fault in faults):
-            continue  # PUBLISH with one number: whether it has a unit decides
+            continue  # PUBLISH with one number, for which the unit decides whether it is valid
         said = grammar_accepts(grammar, text)
         assert said == (not faults), f"{text}\ngrammar: {said}; parser: {[f.message for f in faults]}"
         accepted += said
-    assert MUTATIONS // 20 < accepted < MUTATIONS // 2  # the corpus tries both
+    assert MUTATIONS // 20 < accepted < MUTATIONS // 2  # so both cases are really tried
 
 
 def test_the_grammar_knows_the_keywords() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What specs mean: the examples, and each construct of the language."""
+"""The meaning of specs: the examples, and each construct of the language."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GOLDEN = Path(__file__).parent / "golden" / "scara.json"
 
 
 def clean(text: str, file: str = "<text>") -> Spec:
-    """Compile a text that must give no diagnostic at all."""
+    """Compile a text that must give no diagnostic."""
     result = compile_text(text, file)
     assert result.diagnostics == ()
     assert result.spec is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Components of the gateware library: their addresses, and that they are what the VHDL says."""
+"""Components of the gateware library: their addresses are right, and they describe the VHDL truly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def clean(text: str) -> Spec:
-    """Compile a text that must give no diagnostic at all."""
+    """Compile a text that must give no diagnostic."""
     result = compile_text(text)
     assert [(d.code, d.message) for d in result.diagnostics] == []
     assert result.spec is not None
@@ -78,7 +78,7 @@ def test_room_is_found_beside_tosnet_and_below_the_base() -> None:
 )
 def test_a_mistake_with_a_component_is_told_where_it_is_used(text: str, codes: list[str]) -> None:
     diagnostics = compile_text(text, "robot.ul").diagnostics
-    assert [d.code for d in diagnostics] == codes  # once, not for each of its words
+    assert [d.code for d in diagnostics] == codes  # once, and not for each of its words
     places = [place for d in diagnostics for place in (d.span, *(label.span for label in d.labels))]
     assert {place.file for place in places} == {"robot.ul"}
     assert text[diagnostics[-1].span.start :].startswith(("gpio", "pwm"))
@@ -128,7 +128,7 @@ def test_library_agrees_with_the_vhdl(path: Path) -> None:
         assert re.search(rf"\b{name} +: +{direction} +std_ulogic{'_vector' if bits else ''}\b", ports), name
     for name, value in component.generics:
         if name == "clock_hz":
-            assert value == 0  # the design's own clock
+            assert value == 0  # 0 stands for the design's own clock
             continue
         default = re.search(rf"\b{name} +:.*:= *([0-9_]+)", generics)
         assert default is not None and int(default.group(1).replace("_", "")) == value

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Texts made to exhaust time, memory or the stack: each ends with a diagnostic. (How fast: `make bench`.)"""
+"""Texts that try to exhaust time, memory or the stack: each ends with a diagnostic.
+
+(`make bench` measures how fast)
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,7 @@ def test_flat_spec_of_10000_statements() -> None:
 def test_exponential_expansion() -> None:
     levels = "".join(f"a{i}() {{ a: a{i + 1}(); b: a{i + 1}(); }}\n" for i in range(60))
     assert codes(f"public {levels} a60() {{ @x = 0x1: READ(); }}") == {"UL038"}
-    assert codes(f"public {levels} a60() {{ }}") == {"UL038"}  # without any element
+    assert codes(f"public {levels} a60() {{ }}") == {"UL038"}  # it has no element at all
 
 
 def test_more_constructors_than_are_read() -> None:

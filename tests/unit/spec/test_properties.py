@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Properties of every text: no crash, diagnostics inside the text; the formatter keeps the meaning."""
+"""Properties of every text: no crash, and diagnostics lie inside the text.
+
+The formatter keeps the meaning.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,9 @@ WORDS = re.split(
 
 
 def mutated(seed: int, corpus: list[str]) -> str:
-    """Return a text of the corpus with one to four mutations: left out, put in, taken from another text."""
+    """Return a text of the corpus with one to four mutations: a part is removed, inserted, or taken from
+    another text.
+    """
     chance = random.Random(seed)
     text = chance.choice(corpus)
     for _ in range(chance.randrange(1, 5)):
@@ -57,7 +62,7 @@ TEXTS = corpus()
 
 
 def check(text: str) -> None:
-    """Compile, render and format; look whether everything that comes back can be true."""
+    """Compile, render and format. Check that every result is possible."""
     result = compile_text(text, "x.ul")
     lines = re.split(r"\r\n?|\n", text)
     for diagnostic in result.diagnostics:
@@ -87,7 +92,7 @@ def inside(diagnostic: Diagnostic, text: str, lines: list[str]) -> None:
 
 
 def meaning(text: str) -> Spec:
-    """The model without its places in the text."""
+    """Return the model without its places in the text."""
     spec = compile_text(text, "x.ul").spec
     assert spec is not None
     return dataclasses.replace(spec, roots=tuple(_bare(root) for root in spec.roots), devices=())
@@ -106,7 +111,7 @@ def _bare(instance: Instance) -> Instance:
 
 
 def words(text: str) -> list[str]:
-    """Everything but white space, comments included, without the white space in them."""
+    """Return everything but white space. Comments are included, without the white space in them."""
     return re.sub(r"\s", "", text.removeprefix("\ufeff")).split()
 
 
@@ -146,7 +151,9 @@ _SPACES = ["", " ", "\n", "\t", "\n\n\n", " // note\n", "/* a */", "  /* a\n b *
 
 @st.composite
 def specs(draw: st.DrawFn) -> list[str]:
-    """The tokens of a valid spec: public constructor, expansions of tuples and vectors, elements, groups."""
+    """Draw the tokens of a valid spec: public constructor, expansions of tuples and vectors, elements,
+    groups.
+    """
     count = draw(st.integers(1, 4))
     names = draw(st.lists(_NAMES, min_size=8, max_size=8, unique=True))
     leg, pair, root, a, b, x, y, n = names
@@ -183,7 +190,7 @@ def specs(draw: st.DrawFn) -> list[str]:
 @given(specs(), st.integers(0, 2**32))
 @settings(max_examples=60, deadline=None)
 def test_generated_specs_compile_and_format(tokens: list[str], seed: int) -> None:
-    chance = random.Random(seed)  # to draw each space from hypothesis takes longer than all the rest
+    chance = random.Random(seed)  # drawing each space from hypothesis takes longer than all the rest
     text = ""
     for token in tokens:
         space = chance.choice(_SPACES)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All mistakes in one run, and one diagnostic for one mistake."""
+"""All mistakes are found in one run, and each gives one diagnostic."""
 
 from __future__ import annotations
 
@@ -135,7 +135,10 @@ def test_one_mistake_is_one_diagnostic() -> None:
 
 
 def test_no_wrong_character_anywhere_makes_a_second_diagnostic() -> None:
-    """A character that belongs to no token, put between any two tokens, is one diagnostic and not two."""
+    """A character that belongs to no token is put between any two tokens.
+
+    It gives one diagnostic and not two.
+    """
     for match in re.finditer(r"\w+|[^\w\s]", SCARA):
         inside_string = SCARA.count('"', 0, match.start()) % 2
         if not inside_string:
@@ -148,7 +151,7 @@ def test_a_lost_token_is_seldom_more_than_one_diagnostic() -> None:
     for match in re.finditer(r'"[^"]*"|\w+|[^\w\s]', SCARA):
         text = SCARA[: match.start()] + " " + SCARA[match.end() :]
         counts.append(len(found(text)))
-    # Without `signed` it is another spec, not a wrong one.
+    # Without `signed`, the spec is different but still valid.
     assert counts.count(0) <= 2
     assert sum(count > 1 for count in counts) <= len(counts) * 0.05
 

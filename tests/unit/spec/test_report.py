@@ -81,7 +81,8 @@ def test_control_characters_of_a_file_do_not_reach_the_terminal() -> None:
 def test_caret_stands_under_wide_and_combining_characters() -> None:
     text = 'public a() { @x = 0x1: READ(ID="\u6f22\u5b57e\u0301"+z); }'
     lines = render(compile_text(text).diagnostics).splitlines()
-    assert lines[3].index("z") + 2 - 1 == lines[4].index("^")  # two characters of two columns, one of none
+    # two characters take two columns each, and one takes none
+    assert lines[3].index("z") + 2 - 1 == lines[4].index("^")
 
 
 def test_codes_are_complete() -> None:

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def clean(text: str, file: str = "<text>", include: tuple[Path, ...] = ()) -> Spec:
-    """Compile a text that must give no diagnostic at all."""
+    """Compile a text that must give no diagnostic."""
     result = compile_text(text, file, include)
     assert [(d.code, d.message) for d in result.diagnostics] == []
     assert result.spec is not None
@@ -72,7 +72,7 @@ def test_expressions(expression: str, value: int) -> None:
 )
 @settings(max_examples=60, deadline=None)
 def test_arithmetic_is_that_of_python(expression: str) -> None:
-    wanted = eval(expression)  # a sum of small numbers, made above
+    wanted = eval(expression)  # safe: the test made this sum of small numbers
     text = f"const N = {expression};\npublic a() {{ @x[1+N*0] = 0x0: i64 WRITE(INITIAL=N % 1000000); }}"
     assert clean(text).root().elements[0].initial == wanted % 1000000
 
@@ -384,7 +384,7 @@ def test_the_arrival_of_a_word_is_an_event() -> None:
     queue() { FIFO(BASE=0x8); @n = 0x0: READCLEAR(PUBLISH(on arrival)); }
     """)
     groups = {element.path: group.event for group in spec.devices[0].groups for element in group.elements}
-    assert groups == {"q.n": "q.arrival", "x": "q.arrival", "y": "arrival"}  # that of y is the design's
+    assert groups == {"q.n": "q.arrival", "x": "q.arrival", "y": "arrival"}  # y takes the event of the design
     (diagnostic,) = compile_text("public a() { @x = 0x0: READ(PUBLISH(on q.arrival)); }").diagnostics
     assert (diagnostic.code, diagnostic.message) == ("UL102", "nothing has the event `q.arrival`")
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The colours of editors: the TextMate grammar takes a text apart as the lexer does.
+"""The colours of editors: the TextMate grammar divides a text in the same way as the lexer.
 
-Its patterns are plain enough for Python's `re`, so they are applied here as an editor applies them: at each
-place the first that matches.
+Its patterns are simple enough for Python's `re`. They are applied here as in an editor: at each place, the
+first one that matches.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from unitylink.spec.units import unit
 
 
 def clean(text: str, file: str = "<text>") -> Spec:
-    """Compile a text that must give no diagnostic at all."""
+    """Compile a text that must give no diagnostic."""
     result = compile_text(text, file)
     assert [(d.code, d.message) for d in result.diagnostics] == []
     assert result.spec is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The fixture that comes with the package, used as anybody would."""
+"""The fixture of the package, used as a user would."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def lamp(tmp_path: Path) -> Path:
 
 
 class Still:
-    """A plant that leaves everything as the test sets it."""
+    """A plant that changes nothing, so everything stays as the test sets it."""
 
     period_s = 0.01
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The codec: what is written is read, what does not fit is refused or saturates, many at once as one."""
+"""The codec: a written value is read back.
+
+A value that does not fit is refused or saturates. Arrays work like single values.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,7 @@ buses = st.sampled_from([8, 16, 24, 32])
 
 @st.composite
 def numeric(draw: st.DrawFn) -> tuple[Codec, int]:
-    """A codec of a whole or fixed-point kind, and a raw number of its width."""
+    """Draw a codec of a whole or fixed-point kind, and a raw number of its width."""
     kind = draw(st.sampled_from(["int", "uint", "fixed", "ufixed"]))
     width = draw(widths)
     fraction = draw(st.integers(0, width)) if kind.endswith("fixed") else 0
@@ -139,7 +142,7 @@ def test_floats_with_limits() -> None:
 @pytest.mark.parametrize("bits", [16, 32, 64])
 @pytest.mark.parametrize("overflow", ["error", "saturate"])
 def test_a_set_point_is_finite(bits: int, overflow: str) -> None:
-    """What a sensor tells need not be: `test_single_floats_are_exact`."""
+    """The value of a sensor need not be finite: `test_single_floats_are_exact`."""
     codec = Codec("f", Quantity(ValueType("float", bits), overflow=overflow), 32, commanded=True)
     with pytest.raises(ValueRangeError, match="f: nan is not in"):
         codec.encode(math.nan)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Specs that are made to act in what is generated from them: texts for every place that a spec has for one.
+"""Specs whose texts try to act as code in what is generated.
 
-`python tests/unit/generate/quoting/hostile.py --seconds 300` is the long form: every payload in every place,
-then texts made up of them; the tests run a part of it.
+There is a text for every place of a spec that has one.
+
+The long form is `python tests/unit/generate/quoting/hostile.py --seconds 300`. It tries every payload in
+every place, and then random mixtures. The tests run a part of it.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from structure import Broken, structure
 
-CANARY = "hostile_was_here"  # what a payload that acts leaves: a name, a file, a file of a command
+CANARY = "hostile_was_here"  # the trace of a payload that acted: a name, a file, a file of a command
 _ACTS = f"__import__('builtins').{CANARY}=1"
 PAYLOADS = (
     *(
@@ -186,7 +188,7 @@ PAYLOADS = (
 )
 BENIGN = "plain"
 
-# Each place has a name of its own in angle brackets; `s_` stand within quotes, `d_` behind `///`.
+# Each place has a name of its own in angle brackets. `s_` places are within quotes, `d_` places after `///`.
 SPEC = """\
 /// <d_link>
 link lab (DATA=32, ADDRESS=16, BASE_RATE=1000 Hz, BAUD=3000000);
@@ -237,13 +239,14 @@ drive(): @base[4] {
 }
 """
 PLACES = (*dict.fromkeys(re.findall(r"<(\w_\w+)>", SPEC)), "file")
-NAMES = {"n_entity": "pwm", "n_pin": "pins", "n_event": "changed"}  # what stands there is a name or refused
-SHOWN = ("s_joint", "s_frame", "file")  # what stands there prints, or is refused
+# a text in one of these places must be a name, or is refused
+NAMES = {"n_entity": "pwm", "n_pin": "pins", "n_event": "changed"}
+SHOWN = ("s_joint", "s_frame", "file")  # a text in one of these places can be printed, or is refused
 LONGEST_SHOWN = 200
 
 
 def spec_text(texts: Mapping[str, str]) -> str:
-    """Return the spec with texts in its places; the others are benign."""
+    """Return the spec with `texts` in its places. All other texts are harmless."""
 
     def said(match: re.Match[str]) -> str:
         place = match[1]
@@ -257,7 +260,10 @@ def spec_text(texts: Mapping[str, str]) -> str:
 
 
 def placed(place: str, payload: str) -> str | None:
-    """Return a payload as it can stand in a place; None where it is refused there, or is too long."""
+    """Return a payload in a form that can stand in a place.
+
+    Return None if it is refused there, or is too long.
+    """
     if place in NAMES or (place in SHOWN and not payload.isprintable()):
         return None
     if place == "file":
@@ -268,7 +274,10 @@ def placed(place: str, payload: str) -> str | None:
 
 
 def files_of(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return all files of the spec with these texts. Raises UnityLinkError where one is refused."""
+    """Return all generated files of the spec with these texts.
+
+    Raises UnityLinkError if a text is refused.
+    """
     result = compile_text(spec_text(texts), texts.get("file", "arm.ul"))
     if result.spec is None:
         raise SpecError(render(result.diagnostics))
@@ -282,7 +291,7 @@ def benign() -> tuple[dict[str, str], dict[str, Hashable]]:
 
 
 def check(texts: Mapping[str, str]) -> dict[str, str]:
-    """Raise Broken unless every file has the structure of its benign twin; return the files."""
+    """Return the files. Raises Broken unless every file has the structure of its benign twin."""
     plain, structures = benign()
     files = files_of(texts)
     if files.keys() != plain.keys():
@@ -294,7 +303,10 @@ def check(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def mixed(turn: int) -> dict[str, str]:
-    """Return the texts of one turn: another payload in each place; `len(PAYLOADS)` turns bring all to all."""
+    """Return the texts of one turn, with a different payload in each place.
+
+    `len(PAYLOADS)` turns bring every payload to every place.
+    """
     texts = {}
     for number, place in enumerate(PLACES):
         text = placed(place, PAYLOADS[(turn + 5 * number) % len(PAYLOADS)])
@@ -304,7 +316,7 @@ def mixed(turn: int) -> dict[str, str]:
 
 
 def made_up(seed: int) -> dict[str, str]:
-    """Return random texts of pieces of payloads."""
+    """Return random texts that are made of pieces of payloads."""
     random_ = random.Random(seed)
     pieces = [p for p in PAYLOADS if len(p) < 100]
     texts = {}
@@ -316,7 +328,7 @@ def made_up(seed: int) -> dict[str, str]:
 
 
 def main() -> int:
-    """Bring every payload to every place, then made-up ones until the time is used up."""
+    """Bring every payload to every place. Then try made-up ones until the time is used up."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The structure of a generated file: all that acts in it, with a mark in the place of each text, no remarks.
+"""The structure of a generated file: everything that acts in it.
 
-Two files have one structure where they differ in nothing but what they say. The readers here are no part of
-Unity-Link: Python's own, those of its library, and lexers of C++, VHDL and others after their standards.
+A mark replaces each text, and remarks are left out.
+
+Two files have the same structure if they differ only in their texts. The readers here are no part of
+Unity-Link. They are Python's own, those of its library, and lexers of C++, VHDL and others that follow their
+standards.
 """
 
 from __future__ import annotations
@@ -27,15 +30,15 @@ _XACRO = re.compile(r"\$\$+[{(]|(\$[{(][^)}]*[)}])")
 
 
 class Broken(Exception):
-    """A file that its own language does not read."""
+    """A file is not valid in its own language."""
 
 
 def structure(name: str, text: str) -> Hashable:
-    """Return the structure of a file; raise Broken. `name` tells the language."""
+    """Return the structure of a file, or raise Broken. The ending of `name` tells the language."""
     suffix = PurePosixPath(name).suffix
     if suffix not in _READERS:
         raise Broken(f"{name}: nothing here reads {suffix!r}; add a reader of it to _READERS")
-    # The strings of JSON may hold whatever a text has.
+    # The strings of JSON may hold anything.
     if suffix not in (".json", ".html") and any(c in text for c in _HIDING):
         raise Broken(f"{name} has characters that hide or end lines")
     return _read(suffix, text)
@@ -48,7 +51,7 @@ def _read(suffix: str, text: str) -> Hashable:
 
 def _python(text: str) -> Hashable:
     try:
-        # As Python itself reads the file: the first lines may tell an encoding.
+        # Decode the file as Python does: its first lines may name an encoding.
         encoding, _ = tokenize.detect_encoding(io.BytesIO(text.encode()).readline)
         tree = ast.parse(text.encode())
     except (SyntaxError, ValueError) as error:
@@ -74,7 +77,10 @@ _TRIGRAPHS = dict(zip("=/'()!<>-", "#\\^[]|{}~", strict=True))
 
 
 def _cpp(text: str) -> Hashable:
-    """With trigraphs, which C++ before 2017 replaces first, and without; a backslash joins two lines."""
+    """Read it with trigraphs, which C++ before 2017 replaces first, and without.
+
+    A backslash joins two lines.
+    """
     if "??" not in text:
         return tuple(_lexed(text.replace("\\\n", ""), _CPP))
     without = re.sub(r"\?\?([=/'()!<>-])", lambda m: _TRIGRAPHS[m[1]], text)
@@ -116,7 +122,7 @@ _LINES = re.compile(r"(?P<remark>\#[^\n]*)|(?P<text>\Z.)|(?P<token>[^\#\n]+|\n)"
 
 
 def _lexed(text: str, pattern: re.Pattern[str], *, texts: bool = True) -> Iterator[str]:
-    """Yield tokens without remarks, and an end of line where the next token does not follow in this one."""
+    """Yield tokens without remarks. Also yield an end of line if the next token is in another line."""
     position, ended = 0, True
     while position < len(text):
         match = pattern.match(text, position)
@@ -200,7 +206,7 @@ def _html(text: str) -> Hashable:
             found.append(f"?{data}")
 
     Reader().feed(text)
-    # A script ends at `</script`, and a comment within it makes browsers look for another end.
+    # A script ends at `</script`. A comment within it makes browsers look for another end.
     if re.search(r"</?script|<!--", "".join(model), re.IGNORECASE):
         raise Broken("HTML: the model could end its script")
     return tuple(found), _shape(json.loads("".join(model)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Code is put together of what generators say, of names, numbers and quoted texts, and of nothing else."""
+"""Generated code consists only of constants of the generators, of names, numbers and quoted texts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from unitylink.generate import quoting
 from unitylink.generate.quoting import LANGUAGES, Code, Cpp, Python, UnquotedText, Vhdl, language_of
 from unitylink.generate.templates import environment
 
-SOURCES = Path(quoting.__file__).parents[2]  # of the package unitylink
+SOURCES = Path(quoting.__file__).parents[2]  # the sources of the package unitylink
 GENERATORS = [
     path
     for folder in ("generate", "boards", "simulate/rtl")
@@ -27,19 +27,19 @@ TEMPLATES = [
     for path in sorted((SOURCES / folder).rglob("*.jinja"))
 ]
 CLASSES = {language.__name__ for language in LANGUAGES.values()} | {"Code"}
-# What writes quotes of its own around texts that it has quoted.
+# These write their own quotes around texts that are already quoted.
 MAKERS = {"docstring"}
 
 
 def is_said(node: ast.expr) -> bool:
-    """Does our own source say this text, all of it?"""
+    """Tell whether our own source contains this whole text as a constant."""
     if isinstance(node, ast.IfExp):
         return is_said(node.body) and is_said(node.orelse)
     return isinstance(node, ast.Constant)
 
 
 def unsaid(path: Path) -> list[str]:
-    """Return the places of a source that make code of a text which is not in the source."""
+    """Return the places of a source that make code of a text which is not a constant."""
     tree = ast.parse(path.read_text("utf-8"))
     makers = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n.name in MAKERS]
     quoted = {id(inner) for maker in makers for inner in ast.walk(maker)}
@@ -61,7 +61,10 @@ def unsaid(path: Path) -> list[str]:
 
 
 def test_code_is_made_of_what_the_source_says() -> None:
-    """`Cpp("..")` and the pattern of `Cpp.of("..", x)` are constants: what is not goes through a check."""
+    """`Cpp("..")` and the pattern of `Cpp.of("..", x)` are constants.
+
+    Everything else goes through a check.
+    """
     assert len(GENERATORS) > 40
     assert [place for path in GENERATORS for place in unsaid(path)] == [], "code of a text that is not said"
 
@@ -83,7 +86,7 @@ def test_a_template_refuses_what_is_not_quoted(text: str, tmp_path: Path) -> Non
     (tmp_path / "x.cpp.jinja").write_text("{{ text }}")
     (tmp_path / "y.cpp.jinja").write_text("{{ text | text }} // {{ text | remark }}")
     templates = environment(tmp_path)
-    if text:  # nothing is nothing in every language
+    if text:  # the empty text is harmless in every language
         with pytest.raises(UnquotedText):
             templates.get_template("x.cpp.jinja").render(text=text)
         with pytest.raises(UnquotedText):
@@ -107,7 +110,7 @@ def test_parts_are_names_numbers_paths_and_code() -> None:
 
 
 def test_what_formatting_makes_of_code_is_none() -> None:
-    """An f-string checks nothing, so what it gives is not taken."""
+    """An f-string checks nothing, so its result is not accepted as code."""
     with pytest.raises(UnquotedText):
         Cpp.of("{}", f"{Cpp('x = 1;')}")
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""No text of a spec acts in what is generated: a hostile spec and its benign twin give one structure."""
+"""No text of a spec acts as code in what is generated: a hostile spec and its benign twin give the same
+structure.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ from unitylink.generate import generate
 from unitylink.generate.quoting import Cpp, Message, Python, Vhdl, Xacro, Yaml
 from unitylink.spec import compile_text
 
-TURNS = range(0, len(PAYLOADS), 12)  # of the long form, which brings every payload to every place
+TURNS = range(0, len(PAYLOADS), 12)  # a part of the long form, which brings every payload to every place
 
 
 def test_there_are_as_many_as_the_page_says() -> None:
@@ -58,7 +60,9 @@ def test_hostile_specs_have_the_structure_of_benign_ones(turn: int) -> None:
 def test_one_place_without_quotes_is_seen(
     language: type[Python], function: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The proof that the comparison means something: each function that quotes nothing makes another file."""
+    """The proof that the comparison finds something: each quoting function, when it quotes nothing, gives
+    another structure.
+    """
     monkeypatch.setattr(language, function, classmethod(lambda cls, text: cls(text)))
     with pytest.raises(Broken):
         for payload in ('"', "\n", '" x "', "*/", "${x}", '"""; x; """', ": -", "\n-", "> x"):
@@ -84,7 +88,7 @@ def hidden_in_utf_7(text: str) -> str:
 
 
 def test_an_encoding_in_the_name_of_the_file_is_none() -> None:
-    """Python takes its encoding from a comment in the first two lines, and the spec's file is named there."""
+    """Python takes its encoding from a comment in the first two lines, and one names the spec's file."""
     ends, then, by, rest = (hidden_in_utf_7(text) for text in ('"};', ";", "=", ";a={#"))
     acts = f"{ends}import builtins{then}builtins.{CANARY}{by}1{rest}"
     text = f'public arm() {{ @x = 0x0: READ(ID="{acts}"); }}'
@@ -96,7 +100,7 @@ def test_an_encoding_in_the_name_of_the_file_is_none() -> None:
 
 
 def test_cpp_prints_what_was_said(tmp_path: Path) -> None:
-    """Compiled as the oldest C++ that reads most out of a text: with trigraphs."""
+    """It is compiled as an old C++, which has trigraphs and so can misread most in a text."""
     said = [payload for payload in PAYLOADS if "\0" not in payload]
     lines = "".join(f"  std::puts({Cpp.text(text)});  // {Cpp.remark(text)}\n" for text in said)
     (tmp_path / "said.cpp").write_text(f"#include <cstdio>\nint main() {{\n{lines}}}\n", encoding="utf-8")
@@ -116,7 +120,7 @@ def test_ghdl_reads_what_was_made(text: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("place", [*NAMES, *SHOWN])
 def test_what_is_no_name_is_refused(place: str) -> None:
-    """With the place, and what to do; a newline is in none of them."""
+    """The message has the place and a remedy. No part of it has a newline."""
     texts = {place: "a\nb.ul"}
     result = compile_text(spec_text(texts), texts.get("file", "arm.ul"))
     if place in NAMES:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bound of a publish as a function; tests/gateware/test_isochrony.py holds the RTL to it."""
+"""The bound of a publish as a function. tests/gateware/test_isochrony.py compares the VHDL with it."""
 
 from __future__ import annotations
 
