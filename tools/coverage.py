@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which lines of the gateware its benches execute: a table by file, and failure below 95 % in all.
+"""Which lines of the gateware its benches execute: a table by file. It fails below 95 % of all lines.
 
     python tools/coverage.py             run tests/gateware, count, and record it in gateware/coverage.json
     python tools/coverage.py --report    the same of the last run
     python tools/coverage.py --benches gpio fifo    these benches only, with no record and no least share
 
 The benches run with the gcc backend of GHDL, whose programs gcov understands. Netlists are left out: nobody
-wrote them. A line that has no code of its own (declarations, `when`, `end`) does not count.
+wrote them. A line without code of its own (declarations, `when`, `end`) does not count.
 """
 
 from __future__ import annotations
@@ -27,11 +27,12 @@ GATEWARE = ROOT / "gateware"
 COUNTS = ROOT / "build" / "coverage"
 RECORD = GATEWARE / "coverage.json"
 PERCENT_LEAST = 95.0
-_RUNS_A_BENCH = re.compile(r"\b(ghdl|rtl)\b: Any")  # the fixtures whose simulator counts lines
+# tests with these fixtures run a simulator that counts lines
+_RUNS_A_BENCH = re.compile(r"\b(ghdl|rtl)\b: Any")
 
 
 def digest() -> str:
-    """Return 16 hex digits over all VHDL, designs and benches; comments and blanks do not count."""
+    """Return 16 hex digits over all VHDL, designs and benches. Comments and blanks do not count."""
     said = hashlib.sha256()
     for path in sorted(GATEWARE.rglob("*.vhd")):
         said.update(f"{path.relative_to(GATEWARE)}\0{plain_text(path)}\0".encode())
@@ -44,7 +45,7 @@ def designs() -> set[Path]:
 
 
 def run_benches(only: list[str]) -> bool:
-    """Run the benches, all without `only`. Return whether all of them passed."""
+    """Run the benches, or all of them if `only` is empty. Return whether all of them passed."""
     subprocess.run(["rm", "-rf", str(COUNTS)], check=True)
     chosen = f"({' or '.join(only)}) and " if only else ""
     options = ["-q", "-n", "2", "-k", f"{chosen}not netlist and not synthesis"]
@@ -56,7 +57,7 @@ def run_benches(only: list[str]) -> bool:
 
 
 def executed() -> dict[Path, dict[int, int]]:
-    """How often each line of each file has been executed, over all workers' programs."""
+    """Return how often each line of each file has been executed, over the programs of all workers."""
     total: dict[Path, dict[int, int]] = defaultdict(lambda: defaultdict(int))
     for folder in sorted(COUNTS.iterdir()):
         notes = sorted(path.name for path in folder.glob("*.gcno"))
@@ -72,7 +73,7 @@ def executed() -> dict[Path, dict[int, int]]:
 
 
 def ranges(numbers: list[int]) -> str:
-    """Return `numbers` in short: 3-5, 9."""
+    """Return `numbers` as ranges, such as 3-5, 9."""
     parts: list[list[int]] = []
     for number in numbers:
         if parts and parts[-1][1] == number - 1:

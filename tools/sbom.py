@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write the bill of materials: what the library is made with and stands on, in CycloneDX 1.6 (JSON).
+"""Write the bill of materials in CycloneDX 1.6 (JSON): what the library is made with, and what it needs.
 
     python tools/sbom.py > build/sbom.cdx.json
 
-What comes from PyPI is read from tools/locks, with the versions and hashes that are installed; what comes
-from Debian from tools/setup.sh, without a version: that is the machine's. `scope` says who needs it:
-"required" the library when it runs, "optional" a command that asks for an extra or a driver, "excluded" only
-who builds or tests. It is the same for the same checkout: the time is that of the last commit
-(SOURCE_DATE_EPOCH).
+Packages from PyPI are read from tools/locks, with the versions and hashes that are installed. Packages from
+Debian are read from tools/setup.sh, without a version, because the machine decides that. `scope` says who
+needs a package. "required": the library when it runs. "optional": a command that needs an extra or a driver.
+"excluded": only somebody who builds or tests. The same checkout gives the same file. Its time is that of the
+last commit (SOURCE_DATE_EPOCH).
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ else:
     import tomli as tomllib
 
 ROOT = Path(__file__).resolve().parents[1]
-COMPILED_IN = ("nanobind",)  # its sources become part of the native module
+COMPILED_IN = ("nanobind",)  # sources of these become part of the native module
 RUN_TIME = {
     "all": "optional",
     "ros2": "optional",
-}  # locks of extras; "build" holds what the library wants itself
+}  # locks of extras; "build" holds the library's own dependencies
 DYNAMIC = {"libusb-1.0-0": "ftdi: links, loaded when one is opened"}
 _NAME = re.compile(r"[A-Za-z0-9._-]+")
 _NEED = re.compile(r'^\s*need (?:"[^"]*"|\S+) (\S+) ', re.MULTILINE)
@@ -53,7 +53,7 @@ def locked(name: str) -> Iterator[tuple[str, str, list[str]]]:
 
 
 def normal(package: str) -> str:
-    """Return the name by which PyPI knows a package.
+    """Return a package's name in the form that PyPI uses.
 
     >>> normal("Typing_Extensions[x]>=4")
     'typing-extensions'
@@ -62,14 +62,14 @@ def normal(package: str) -> str:
 
 
 def needed_by(asked: list[str]) -> set[str]:
-    """Return what these requirements bring, themselves and all they want, as it is installed here."""
+    """Return the packages of these requirements, with everything that they need, as installed here."""
     found: set[str] = set()
     waiting = [(Requirement(one), True) for one in asked]
     while waiting:
         one, own = waiting.pop()
         name = normal(one.name)
         if name in found or not (own or one.marker is None or one.marker.evaluate({"extra": ""})):
-            continue  # of our own also those that only another Python wants
+            continue  # our own requirements count even if only another version of Python needs them
         found.add(name)
         with suppress(PackageNotFoundError):
             waiting += [(Requirement(more), False) for more in distribution(name).requires or ()]
@@ -77,7 +77,7 @@ def needed_by(asked: list[str]) -> set[str]:
 
 
 def bill() -> dict[str, Any]:
-    """Return the whole of it."""
+    """Return the whole bill of materials."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     own = needed_by(project["dependencies"])
     root = f"pkg:pypi/{project['name']}@{project['version']}"

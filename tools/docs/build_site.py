@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Build the documents as a site:  python tools/docs/build_site.py [--out FOLDER]
 
-The site has the pages that links lead to from the top README, at the paths they have in the checkout, so that
-a page reads the same on a repository host. FOLDER (build/docs) gets `pages`, what mkdocs reads; the site goes
-to FOLDER/site, or build/site. A broken link, a missing heading, a page of mkdocs.yml that is not there: exit
-code 1.
+The site has all pages that links from the top README lead to. They keep their paths in the checkout, so that
+a page reads the same on a repository host. FOLDER (build/docs) gets `pages`, which mkdocs reads. The site
+goes to FOLDER/site, or to build/site. The exit code is 1 for a broken link, a missing heading, or a page of
+mkdocs.yml that does not exist.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FENCE = re.compile(r"^```")
 
 
 def main() -> int:
-    """Stage the pages, build the site, and say where it is."""
+    """Stage the pages, build the site, and print where it is."""
     parser = argparse.ArgumentParser(description="Build the documents as a site.")
     parser.add_argument(
         "--out", type=Path, help="folder for pages and site; build/docs and build/site without"
@@ -55,7 +55,7 @@ def main() -> int:
 
 
 def stage(folder: Path) -> None:
-    """Write the pages, and the files they show, into `folder`."""
+    """Write the pages, and the files that they show, into `folder`."""
     waiting = [ROOT / "README.md"]
     done: set[Path] = set()
     while waiting:
@@ -78,7 +78,7 @@ def stage(folder: Path) -> None:
 
 
 def navigation(pages: Path) -> list[Any]:
-    """Return the order of mkdocs.yml, with what has no place there after its folder's page, or last."""
+    """Return the order of mkdocs.yml. Pages without a place in it come after their folder's page, or last."""
     text = (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[2]
     placed = set(re.findall(r"[\w./-]+\.md", text))
     nav: list[Any] = yaml.safe_load(text)
@@ -101,7 +101,7 @@ def _list_with(nav: list[Any], name: str) -> list[Any] | None:
 
 
 def _page(page: Path) -> tuple[str, list[Path]]:
-    """Return a page as mkdocs takes it, and the files it links to."""
+    """Return a page in a form that mkdocs takes, and the files to which it links."""
     linked: list[Path] = []
 
     def link(found: re.Match[str]) -> str:
@@ -112,7 +112,7 @@ def _page(page: Path) -> tuple[str, list[Path]]:
         file = (page.parent / name).resolve()
         if file.is_dir():
             if not (file / "README.md").exists():
-                return label.strip("![]")  # a folder is something to see on a repository host only
+                return label.strip("![]")  # only a repository host can show a folder
             file, name = file / "README.md", f"{name.rstrip('/')}/README.md"
         linked.append(file)
         return f"{label}({name}{mark}{anchor})"
@@ -125,12 +125,12 @@ def _page(page: Path) -> tuple[str, list[Path]]:
 
 
 def _lines(page: Path) -> Iterator[tuple[bool, str]]:
-    """Yield (whether it is code, line) of a page, with the empty lines that Python-Markdown wants."""
+    """Yield (whether it is code, line) of a page, with the empty lines that Python-Markdown needs."""
     before, fenced = "", False
     for line in page.read_text("utf-8").splitlines():
         fenced ^= bool(FENCE.match(line))
         if not fenced and _starts_block(line) and before and not _continues(before, line):
-            yield False, ""  # GitHub needs no empty line before a list or a table, Python-Markdown does
+            yield False, ""  # GitHub needs no empty line before a list or a table, but Python-Markdown does
         yield fenced, line
         before = line
 

@@ -3,9 +3,9 @@
 
     python tools/docs/experiments.py [--check] [--from RESULTS]
 
-RESULTS is the results.json of a run of `unitylink experiments`; it becomes docs/experiments.json. The same
-results give the same bytes; --check compares. What `unitylink faults --beside litex --json` prints becomes
-docs/faults-beside-litex.json, of which that part is made.
+RESULTS is the results.json of a run of `unitylink experiments`. It becomes docs/experiments.json. The same
+results give the same bytes, and --check compares. The output of `unitylink faults --beside litex --json`
+becomes docs/faults-beside-litex.json. That part of docs/faults.md is made from it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ RESULTS = DOCS / "experiments.json"
 
 
 def files() -> dict[Path, str]:
-    """Return what the committed results give."""
+    """Return the files that follow from the committed results."""
     results = json.loads(RESULTS.read_text(encoding="utf-8"))
     page = formatted(markdown(report(results), images="images/"))
     return {
@@ -37,14 +37,14 @@ def files() -> dict[Path, str]:
 
 
 def faults_page() -> str:
-    """Return docs/faults.md with its made part anew."""
+    """Return docs/faults.md with its generated part made again."""
     results = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))
     page = (DOCS / "faults.md").read_text(encoding="utf-8")
     return formatted(with_part(page, "experiments.py", markdown(section(results))))
 
 
 def main() -> int:
-    """Write or compare."""
+    """Write the files, or compare them."""
     parser = argparse.ArgumentParser(description="Write docs/experiments.md from the committed results.")
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     parser.add_argument("--from", dest="source", type=Path, help="results.json of a new run")

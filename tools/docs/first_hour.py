@@ -3,8 +3,8 @@
 
     make wheel && python tools/docs/first_hour.py build/wheels/*.whl [--out FILE]
 
-Every command is one that a user types, in one bash. If a command fails, or does not print what it has to, the
-run ends with exit code 1. What differs from run to run (times, sizes, folders) becomes dots.
+Every command is one that a user types, in one bash. If a command fails, or does not print the expected text,
+the run ends with exit code 1. Parts that differ from run to run (times, sizes, folders) become dots.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PATIENCE_S = 300.0  # for one command; pip may wait for its index
 
 @dataclass(frozen=True)
 class Command:
-    """The text to type, what its output must contain, its exit code, and a file to wait for afterwards."""
+    """The text to type, the required output, the exit code, and a file to wait for afterwards."""
 
     text: str
     says: str = ""
@@ -123,7 +123,7 @@ SECTIONS: list[tuple[str, list[Command]]] = [
     ),
 ]
 
-# What differs from run to run; its numbers are not shown.
+# These parts differ from run to run, so their numbers are not shown.
 VOLATILE = (
     r"cpython \d+\.\d+",
     r"/python\d+\.\d+/",
@@ -147,7 +147,7 @@ plant](own-plant.md).
 
 
 class Terminal:
-    """One bash that is given command after command."""
+    """One bash that gets command after command."""
 
     def __init__(self, folder: Path, wheel: Path) -> None:
         kept = (
@@ -161,7 +161,7 @@ class Terminal:
         )
         environment = {name: os.environ[name] for name in kept if name in os.environ}
         environment |= {"WHEEL": str(wheel), "COLUMNS": "100", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-        environment |= dict.fromkeys(("CC", "CXX", "CMAKE"), "/bin/false")  # nothing may compile
+        environment |= dict.fromkeys(("CC", "CXX", "CMAKE"), "/bin/false")  # so that nothing can compile
         self._folder = folder
         self._log = folder / "said"
         self._bash = subprocess.Popen(
@@ -175,7 +175,7 @@ class Terminal:
         )
 
     def run(self, command: Command) -> str:
-        """Return what a command says on both its outputs; raise SystemExit where it is not what it has to."""
+        """Return what a command prints on both its outputs. Raises SystemExit if it is not as expected."""
         done = self._folder / "done"
         done.unlink(missing_ok=True)
         assert self._bash.stdin is not None
@@ -200,7 +200,7 @@ class Terminal:
             time.sleep(0.02)
 
     def close(self) -> None:
-        """End the bash and what still runs in it."""
+        """End the bash and everything that still runs in it."""
         assert self._bash.stdin is not None
         self._bash.stdin.write("kill $(jobs -p) 2> /dev/null\nexit\n")
         self._bash.stdin.close()
@@ -208,7 +208,7 @@ class Terminal:
 
 
 def transcript(wheel: Path) -> tuple[str, dict[str, float]]:
-    """Play all sections in an empty folder; return the page, and how long each command took in s."""
+    """Play all sections in an empty folder. Return the page, and how many seconds each command took."""
     parts, took_s = [HEAD], {}
     with tempfile.TemporaryDirectory() as folder:
         terminal = Terminal(Path(folder), wheel)
@@ -227,19 +227,20 @@ def transcript(wheel: Path) -> tuple[str, dict[str, float]]:
 
 
 def stable(said: str, folder: str) -> str:
-    """Return a command's output without what differs from run to run."""
+    """Return a command's output without the parts that differ from run to run."""
     said = said.replace(str(Path(folder).resolve()), "/home/you").replace(folder, "/home/you")
     for volatile in VOLATILE:
         said = re.sub(volatile, lambda found: re.sub(r"\d+([.,]\d+)*", "…", found.group()), said, flags=re.M)
-    said = re.sub(r"(?m)^( +)\d+\.\d{6}", r"\1…       ", said)  # times of watch and decode, and their width
+    # times of watch and decode, and the width of their column
+    said = re.sub(r"(?m)^( +)\d+\.\d{6}", r"\1…       ", said)
     said = re.sub(r"(ports on this machine:) .*", r"\1 …", said)
     said = re.sub(r"(?m)(\(what is not shown is 0\)\n)(  .*\n)+", r"\1  …\n", said)  # counters
-    said = re.sub(r"(?m)^\[\d+\]\s.*\n", "", said)  # what bash says of jobs
+    said = re.sub(r"(?m)^\[\d+\]\s.*\n", "", said)  # what bash prints about jobs
     return "".join(f"{line.rstrip()}\n" for line in said.splitlines())
 
 
 def main() -> int:
-    """Write the page and say how long the way to moving joints was."""
+    """Write the page, and print how long it took until the joints moved."""
     parser = argparse.ArgumentParser(description="Play the first hour with a wheel, and write it down.")
     parser.add_argument("wheel", type=Path, help="the wheel, of `make wheel`")
     parser.add_argument(

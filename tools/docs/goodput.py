@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draw what gets through a bad line, for docs/faults.md:  python tools/docs/goodput.py [--check]
+"""Draw how much passes a bad line, for docs/faults.md: python tools/docs/goodput.py [--check]
 
-On a virtual clock: the same sources give the same numbers; --check compares.
+It runs on a virtual clock, so the same sources give the same numbers. --check compares.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ ONE_BY_ONE = replace(READS, name="one read after another", window=1)
 
 @cache
 def point(traffic: Traffic, percent: float) -> Point:
-    """Return what gets through."""
+    """Return how much passes when `percent` of the frames are lost."""
     return goodput(traffic, percent / 100, words=WORDS)
 
 
 def picture() -> str:
-    """Return the curves as SVG: shares of what the line carries without loss."""
+    """Return the curves as SVG: shares of what the line carries without a loss."""
     line = {traffic: goodput(traffic, 0.0, words=WORDS).words_per_s for traffic in (READS, POSTS)}
     reads = [point(READS, percent) for percent in LOSSES]
     series = {
@@ -47,7 +47,7 @@ def picture() -> str:
 
 
 def table() -> str:
-    """Return the shares of the ideal as Markdown."""
+    """Return the shares of the ideal sender as a Markdown table."""
     head = " | ".join(f"{percent:g} %" for percent in SHOWN)
     lines = [f"| frames lost | {head} |", f"|---|{'---|' * len(SHOWN)}"]
     for traffic in (*REQUESTS, POSTS):
@@ -57,7 +57,7 @@ def table() -> str:
 
 
 def main() -> int:
-    """Write or compare."""
+    """Write the files, or compare them."""
     parser = argparse.ArgumentParser(description="Draw what gets through a line that loses frames.")
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     options = parser.parse_args()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draw the pictures of the documents:  python tools/docs/pictures.py [--check]
 
-Each is drawn from the real thing: the bytes of a message as a link sends them and a virtual board answers,
-the times of publishes as docs/images/publish.pcapng has them, which `--capture` records anew. The same inputs
-give the same bytes; --check compares.
+Each is drawn from real data. The bytes of a message are those that a link sends and a virtual board answers.
+The times of publishes are those in docs/images/publish.pcapng, which `--capture` records again. The same
+inputs give the same bytes, and --check compares.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from unitylink.simulate import Board, BoardConfiguration
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 CAPTURE = IMAGES / "publish.pcapng"
-BAUD_HZ = 115_200  # slow enough for a message to be seen as a bar
+BAUD_HZ = 115_200  # so slow that a message can be seen as a bar
 INK, FAINT, BACK = "#1f2430", "#6b7280", "#ffffff"
 PC, DEVICE, PUBLISH, CHECK = "#00897b", "#3f51b5", "#d9822b", "#8e44ad"
 
 
 class Picture:
-    """An SVG that grows by shapes; lengths are pixels."""
+    """An SVG picture to which shapes are added. Lengths are in pixels."""
 
     def __init__(self, width: int, height: int, title: str) -> None:
         self.parts = [
@@ -40,7 +40,7 @@ class Picture:
     def box(
         self, x: float, y: float, width: float, height: float, colour: str, *, fill: float = 0.12
     ) -> None:
-        """Draw a rectangle with a border of `colour`, filled with so much of it."""
+        """Draw a rectangle with a border of `colour`. `fill` is the strength of the same colour inside."""
         self.parts.append(
             f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" rx="3" fill="{colour}" '
             f'fill-opacity="{fill}" stroke="{colour}"/>'
@@ -71,7 +71,7 @@ class Picture:
 
 BOLD, SMALL, MONO = 'font-weight="600"', 'font-size="11"', 'font-family="monospace" font-size="15"'
 
-# level, what the PC has, what the FPGA has, what passes between them
+# level, its name on the PC, its name in the FPGA, what passes between them
 LAYERS = [
     ("", "your program, tools", "your logic, TosNet", "one UL-spec describes both"),
     ("4 data", "values, groups, callbacks", "cores: PWM, encoder, GPIO", "values in engineering units"),
@@ -112,7 +112,7 @@ def architecture() -> str:
 
 
 def exchange() -> list[CaptureMessage]:
-    """Read the word at 0x12 with a checksum from a virtual board; return the request and the reply."""
+    """Read the word at 0x12 with a checksum from a virtual board. Return the request and the reply."""
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder) / "read.pcapng"
         with Board(None, configuration=BoardConfiguration(address_bits=8, data_bits=32)) as board:
@@ -123,7 +123,7 @@ def exchange() -> list[CaptureMessage]:
 
 
 def _parts(text: str) -> list[tuple[str, str, str]]:
-    """Return (bytes, what they are, colour) of a message with a checksum."""
+    """Return (bytes, their meaning, colour) for each part of a message with a checksum."""
     letters, _, rest = text[1:].partition(":")
     data, _, check = rest.partition("*")
     reply = letters.startswith("S_")
@@ -176,7 +176,7 @@ def capture() -> None:
 
 
 def publish() -> str:
-    """Draw 60 ms of the capture: what is on either line, and when."""
+    """Draw 60 ms of the capture: the messages on either line, and their times."""
     found = list(messages(read_packets(CAPTURE), MessageReader(address_bytes=1, data_bytes=4)))
     window_s = 0.06
     firsts = [m for m in found if m.kind == "publish" and m.text.startswith(("%PUB:01", "&PUB:01"))]
@@ -200,7 +200,8 @@ def publish() -> str:
         began_s = one.time_s if one.direction == "sent" else one.time_s - took_s
         if not start_s <= began_s or began_s + took_s > start_s + window_s:
             continue
-        if one.direction != "sent":  # its bytes come one after another; the program saw them a little later
+        # its bytes come one after another, and the program saw them a little later
+        if one.direction != "sent":
             began_s = max(began_s, line_free_s)
             line_free_s = began_s + took_s
         sent, published = one.direction == "sent", one.kind == "publish"
@@ -227,7 +228,7 @@ PICTURES = {"architecture.svg": architecture, "message.svg": message, "publish.s
 
 
 def main() -> int:
-    """Write the pictures, or compare them with what is there."""
+    """Write the pictures, or compare them with the files."""
     parser = argparse.ArgumentParser(description="Draw the pictures of the documents.")
     parser.add_argument(
         "--check", action="store_true", help="exit code 1 where one differs; nothing is written"

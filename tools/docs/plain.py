@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measure how plain texts are:  python tools/docs/plain.py [--of KIND] [--draw N --seed S] [PATH ...]
 
-It prints, for each file and in all: the sentences, the mean words in one, the share with a semicolon, and the
-longest. `--draw N` prints N sentences instead, to be read by a person. A PATH is a file or a folder. Without
+It prints the sentences, the mean words in one, the share with a semicolon, and the longest, for each file and
+for all. `--draw N` prints N sentences instead, for a person to read. A PATH is a file or a folder. Without
 one, the whole checkout is read.
 
 KIND is `pages` (Markdown, the default), `python` (docstrings and comments), `vhdl` or `c++` (comments).
 
 A sentence is prose: no code block (fenced or indented), table, heading or front matter. In a comment of VHDL
 or C++, indented lines after an empty one are a drawing or a table. A list item ends its sentence. A link
-counts as its text, and code in a line as one word. Less than three words are no sentence.
+counts as its text, and code in a line as one word. Fewer than three words are no sentence.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ ITEM = re.compile(r"^\s*(?:[-*+]|\d+[.)])\s+")
 NOT_PROSE = re.compile(r"^\s*(?:\||#{1,6} |={3,}$|-{3,}$|>>> |\.\.\. |\[[^\]]+\]:\s)")
 CODE = re.compile(r"(`+)(.+?)\1", re.S)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)")
-HIDDEN = "\ue000"  # stands for a piece of code: its full stops end no sentence
+HIDDEN = "\ue000"  # stands for a piece of code, so that a full stop in the code ends no sentence
 DOT = "\u2024"  # the full stop of an abbreviation
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|etc|vs|cf|Fig|No|approx)\.")
-END = re.compile(r"(?<=[.!?])[)\"”*_]*\s+(?:(?![a-z])|(?=\w+(?:, \w+)*: ))")  # or a name with a colon
+END = re.compile(r"(?<=[.!?])[)\"”*_]*\s+(?:(?![a-z])|(?=\w+(?:, \w+)*: ))")  # or before a name with a colon
 WORD = re.compile(rf"[\w{HIDDEN}]")
 DIRECTIVE = re.compile(r"(?:#|--|//)\s*(?:SPDX|type:|noqa|ruff:|mypy:|pragma|clang|NOLINT|!)")
-# What may hold the mark of a comment is passed over; the group is a comment.
+# Matches everything that may hold the mark of a comment. Only the group is a comment.
 COMMENT = {
     ".py": re.compile(r"""(?s:\"\"\".*?\"\"\"|'''.*?''')|\"(?:[^\"\\\n]|\\.)*\"|'(?:[^'\\\n]|\\.)*'|(#.*)"""),
     ".vhd": re.compile(r"""\"[^\"\n]*\"|'.'|(--.*)"""),
@@ -59,7 +59,7 @@ class Sentence(NamedTuple):
 
 
 class Figures(NamedTuple):
-    """What is measured of some sentences; `mean` is in words, `semicolons` a share of 0 to 1."""
+    """The figures of some sentences. `mean` is in words, `semicolons` is a share from 0 to 1."""
 
     sentences: int
     mean: float
@@ -78,7 +78,7 @@ def figures(sentences: Iterable[Sentence]) -> Figures:
 
 
 def files(paths: Sequence[Path], kind: str = "pages") -> list[Path]:
-    """Return the files in `paths` that have sentences of this kind. A file itself is always one."""
+    """Return the files in `paths` that have sentences of this kind. A file in `paths` always counts."""
     found = {path.resolve() for path in paths if not path.is_dir()}
     for path in paths:
         for folder, folders, names in os.walk(path.resolve()):
@@ -105,7 +105,7 @@ def sentences(file: Path) -> list[Sentence]:
 
 
 def _blocks(text: str, code_indent: int) -> Iterator[tuple[int, str]]:
-    """Yield (line, text) of each paragraph and each list item; the text has the line ends of the page."""
+    """Yield (line, text) of each paragraph and each list item. The text keeps the line ends of the page."""
     text = re.sub(r"\A---\n.*?^---$", _blank, text, flags=re.M | re.S)  # front matter
     text = re.sub(r"<!--.*?-->", _blank, text, flags=re.S)
     begin, block, fenced, margin = 0, [], False, 0
@@ -154,7 +154,7 @@ def _python(source: str) -> Iterator[tuple[int, str]]:
 
 def _comments(source: str, pattern: re.Pattern[str]) -> Iterator[tuple[int, str]]:
     """Yield (lines before it, text) of each run of comments. A comment beside code is a run of its own."""
-    begin, last, comment = 0, -1, ""  # `last`: the line that a further one may follow
+    begin, last, comment = 0, -1, ""  # a comment in the line after `last` continues the run
     for found in pattern.finditer(source):
         if not found[1] or DIRECTIVE.match(found[1]):
             continue

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The reference pages of the site, from what programs say of themselves: help, docstrings, explanations."""
+"""The reference pages of the site, made from the programs' own texts: help, docstrings, explanations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unitylink.cli import COMMANDS, cli
 from unitylink.spec import CODES
 from unitylink.spec.report.explain import explain
 
-# module -> what its page is called, in the order a user meets them
+# module -> title of its page, in the order in which a user meets them
 MODULES = {
     "unitylink": "unitylink: connect, links, errors",
     "unitylink.layer4_data": "Layer 4: values, groups, publishing",
@@ -33,7 +33,7 @@ _WIDTH = 100
 
 
 def pages() -> dict[str, str]:
-    """Return the reference as {file name: Markdown}; the same programs give the same bytes."""
+    """Return the reference as {file name: Markdown}. The same programs give the same bytes."""
     api = {f"python-{name.replace('.', '-')}.md": _module(name, title) for name, title in MODULES.items()}
     return {"commands.md": _commands(), "diagnostics.md": _diagnostics(), **api}
 
@@ -77,7 +77,7 @@ def _module(name: str, title: str) -> str:
 
 
 def _public(module: ModuleType) -> list[str]:
-    """Return the names a module offers: its `__all__`, or what it defines itself."""
+    """Return the public names of a module: its `__all__`, or the names that it defines itself."""
     names = getattr(module, "__all__", None)
     if names is not None:
         return [name for name in names if not name.startswith("__")]
@@ -90,7 +90,7 @@ def _public(module: ModuleType) -> list[str]:
 
 def _class(name: str, kind: type) -> str:
     doc = kind.__doc__ or ""
-    if doc.startswith(f"{name}("):  # what dataclass writes where there is none is the signature again
+    if doc.startswith(f"{name}("):  # without a docstring, dataclass writes the signature again
         doc = ""
     if issubclass(kind, Exception):
         base = kind.__mro__[1].__name__
@@ -107,7 +107,7 @@ def _class(name: str, kind: type) -> str:
 
 
 def _members(kind: type) -> list[tuple[str, object]]:
-    """Return public methods and properties with a docstring, inherited ones of this library too."""
+    """Return public methods and properties with a docstring. Those inherited from this library count too."""
     found: dict[str, object] = {}
     for base in reversed(kind.__mro__):
         if base.__module__.startswith("unitylink"):
@@ -128,7 +128,7 @@ def _signature(name: str, thing: object) -> str:
     except (TypeError, ValueError):  # a type that is written in C, or a Protocol
         return ""
     text = _plain(f"{name}{signature}")
-    if len(text) > _WIDTH:  # a parameter a line
+    if len(text) > _WIDTH:  # one parameter in each line
         alone = (_plain(str(signature.replace(parameters=[one]))) for one in _bare(signature))
         stars = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.KEYWORD_ONLY}
         lines = [one[1 : one.rindex(")")] for one in alone]
@@ -141,20 +141,20 @@ def _signature(name: str, thing: object) -> str:
 
 
 def _bare(signature: inspect.Signature) -> list[inspect.Parameter]:
-    """Return the parameters, each such that it can stand alone."""
+    """Return the parameters, each in a form that can stand alone."""
     alone = {inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.POSITIONAL_ONLY}
     named = inspect.Parameter.POSITIONAL_OR_KEYWORD
     return [p.replace(kind=named) if p.kind in alone else p for p in signature.parameters.values()]
 
 
 def _plain(text: str) -> str:
-    """Take the quotes from annotations, and out what differs from run to run."""
+    """Remove the quotes of annotations, and what differs from run to run."""
     text = re.sub(r"(: |-> )'([^']*)'", r"\1\2", text)
     return re.sub(r" at 0x[0-9a-f]+", "", text).replace("<factory>", "...")
 
 
 def _prose(doc: str) -> str:
-    """Return a docstring as Markdown: examples and indented text in fences."""
+    """Return a docstring as Markdown, with examples and indented text in fences."""
     parts: list[str] = []
     for paragraph in re.split(r"\n\s*\n", inspect.cleandoc(doc)):
         if paragraph.startswith(">>>"):

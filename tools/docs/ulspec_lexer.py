@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The colours of UL-spec on the site: a Pygments lexer made of the editors' grammar; both colour alike.
+"""The colours of UL-spec on the site: a Pygments lexer made of the editors' grammar. So both colour alike.
 
-mkdocs reads it as a hook, which makes blocks of `ul` (whole specs) and `ulspec` (parts, and mistakes) known.
+mkdocs loads it as a hook. Then it knows blocks of `ul` (whole specs) and `ulspec` (parts, and mistakes).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["UlSpecLexer"]
 GRAMMAR = Path(__file__).parents[2] / "editors/vscode/syntaxes/ulspec.tmLanguage.json"
 _MODULE = "ulspec_lexer"
 
-# The beginning of a scope's name, the longest first.
+# The beginnings of scope names, with the longest first.
 _TOKENS: dict[str, _TokenType] = {
     "comment.line.documentation": Comment.Special,
     "comment": Comment,
@@ -40,7 +40,7 @@ _TOKENS: dict[str, _TokenType] = {
 
 
 def rules() -> list[Any]:
-    """Return the grammar's patterns as Pygments takes them; what none of them knows is text."""
+    """Return the grammar's patterns in the form of Pygments. Whatever matches none of them is text."""
     found: list[Any] = []
     for pattern in json.loads(GRAMMAR.read_text("utf-8"))["patterns"]:
         expression = pattern.get("match") or f"{pattern['begin']}[\\s\\S]*?{pattern['end']}"
@@ -50,7 +50,7 @@ def rules() -> list[Any]:
 
 
 class UlSpecLexer(RegexLexer):
-    """UL-spec, with its mistakes: nothing is marked as an error, for that is what the text is about."""
+    """UL-spec with its mistakes. Nothing is marked as an error, because pages show mistakes on purpose."""
 
     name = "UL-spec"
     aliases = ("ul", "ulspec")
@@ -60,6 +60,6 @@ class UlSpecLexer(RegexLexer):
 
 
 def on_startup(**_: object) -> None:
-    """Make the lexer known to Pygments: what mkdocs calls first."""
+    """Register the lexer with Pygments. mkdocs calls this first."""
     sys.modules.setdefault(_MODULE, sys.modules[__name__])
     LEXERS["UlSpecLexer"] = (_MODULE, "UL-spec", UlSpecLexer.aliases, UlSpecLexer.filenames, ())

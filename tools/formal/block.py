@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked about one block, and a fault that its proof must notice."""
+"""What is proven about one block, and the faults that its proof must notice."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Mutant:
-    """A seeded fault: one text of one VHDL file, which occurs there once, becomes another."""
+    """A seeded fault: it replaces one text of one VHDL file. The text occurs there once."""
 
-    file: str  # of gateware/, by its bare name
+    file: str  # bare name of a file of gateware/
     old: str
     new: str
 
 
 @dataclass(frozen=True)
 class Block:
-    """One property file, gateware/formal/<name>_formal.vhd, and what is asked of the solvers.
+    """One property file, gateware/formal/<name>_formal.vhd, and the questions for the solvers.
 
-    Within `depth` clocks from power-up z3 searches for a violation, within `deep` ABC. Beyond that: with
-    `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC finds an invariant.
-    With neither the proof is bounded, and the page says so. Every cover, and the moment at which each part of
-    each property counts (`cases`), must be reached within the clocks that are searched; what is proven for
-    ever may take more for that, `reach`.
+    z3 searches for a violation within `depth` clocks from power-up, ABC within `deep` clocks. Two methods go
+    beyond that. With `induction`, z3 shows that so many good clocks are followed by another one. With `pdr`,
+    ABC finds an invariant. Without either, the proof is bounded, and the page says so. Every cover must be
+    reached within the clocks that are searched. So must the moment at which each part of each property counts
+    (`cases`). A proof for ever may take up to `reach` clocks for that.
 
-    A part that has a proof of its own, or too much memory for a solver, may be left out: each (entity,
-    instance) of `without` is removed, each signal in `loose` loses its driver, and what is not driven has any
-    value at any time. What holds then, holds with it. Inputs of the property file show what signals of the
-    design have (`seen`), so that it can assume of a loose one what is proven elsewhere. Outputs of it drive
-    signals of the design instead of what does (`given`), if it is proven elsewhere that they are equal.
+    A part may be left out if it has a proof of its own, or too much memory for a solver. Each (entity,
+    instance) of `without` is removed, and each signal in `loose` loses its driver. An undriven signal has any
+    value at any time. What holds without the part also holds with it. Inputs of the property file show
+    signals of the design (`seen`). So it can assume about a loose signal what is proven elsewhere. Outputs of
+    it drive signals of the design in place of their drivers (`given`). For these, another proof must show
+    that both are equal.
     """
 
     name: str
@@ -41,15 +42,16 @@ class Block:
     reach: int = 0
     induction: int | None = None
     pdr: bool = False
-    for_ever: tuple[str, ...] = ()  # too many for `pdr` at once: proven one by one
+    for_ever: tuple[str, ...] = ()  # too many for `pdr` at once, so they are proven one by one
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
     without: tuple[tuple[str, str], ...] = ()
     seen: Mapping[str, str] = field(default_factory=dict)  # port: signal
     loose: tuple[str, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)  # signal: output of the property file
-    not_proven: str = ""  # what a reader may expect and does not get
-    quick: bool = False  # in the short form too, which is a test
-    several_clocks: bool = False  # each an input; depths then count steps, in which any of them may turn
+    not_proven: str = ""  # what a reader may expect, but is not proven
+    quick: bool = False  # also proven in the short form, which is a test
+    # each clock is an input; depths then count steps, and any clock may change in a step
+    several_clocks: bool = False
 
     def __post_init__(self) -> None:
         if self.reach and self.is_bounded:
@@ -62,15 +64,15 @@ class Block:
 
     @property
     def searched(self) -> int:
-        """Clocks from power-up that are searched for a violation."""
+        """How many clocks from power-up are searched for a violation."""
         return max(self.depth, self.deep)
 
     @property
     def is_bounded(self) -> bool:
-        """Whether nothing is known of the clocks behind those that are searched."""
+        """Whether nothing is known about the clocks after those that are searched."""
         return self.induction is None and not self.pdr
 
     @property
     def reached(self) -> int:
-        """Clocks within which every case and every cover must be reached."""
+        """The number of clocks within which every case and every cover must be reached."""
         return self.searched if self.is_bounded else max(self.reach, self.searched)

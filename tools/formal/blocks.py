@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is proven: a row a block, with how deep, and the faults each proof must notice."""
+"""What is proven: one row for each block, with its depths and the faults that its proof must notice."""
 
 from __future__ import annotations
 
@@ -367,7 +367,7 @@ BLOCKS = (
                 "times(s.address_bytes) or act(do_read), if_not_new, not_new);",
                 "times(s.address_bytes) or act(do_read));",
             ),
-            # A request that was executed is forgotten: one that went well, and one that failed.
+            # A request that was executed is forgotten. One case went well, the other failed.
             Mutant(
                 "frame_program_pkg.vhd",
                 "act(do_place) or number(reply_status_ok_c) or act(do_done));",

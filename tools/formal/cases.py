@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which moments must come for a property to say anything: read off its text, and added to it as covers.
+"""The moments that must come, or else a property says nothing.
 
-A search of so many clocks says nothing of what comes later. So each part of what a property claims gets a
-cover of the moment at which that part could be violated:
+They are read off its text and added to it as covers.
+
+A search of some clocks says nothing about later ones. So each part of a property's claim gets a cover. It is
+the moment at which this part could be violated:
 
 - `a -> b`, `a -> next (b)`, `a -> next[k] (b)`: a has happened, and the clock has come in which b counts.
-- `a or b or c` claims c of what is neither a nor b; `a and b` makes two claims.
-- `x <= n`, likewise `<`, `>` and `>=`: x has come as far as that. One more, and it would be violated.
+- `a or b or c` claims c when neither a nor b holds. `a and b` makes two claims.
+- `x <= n`, likewise `<`, `>` and `>=`: x has reached the bound. One step more would violate it.
 """
 
 from __future__ import annotations
@@ -22,16 +24,16 @@ _NEXT = re.compile(r"\s*next\s*(?:\[\s*(\d+)\s*\])?\s*(\(.*\))\s*", re.DOTALL)
 _BOUND = re.compile(r"(.*?[^<>/=])(<=|>=|<|>)([^<>=].*)", re.DOTALL)
 
 
-_Steps = list[list[str]]  # what must be, clock by clock
+_Steps = list[list[str]]  # conditions, clock by clock
 
 
 def with_cases(vhdl: str) -> str:
-    """Return a property file, or a view, with a cover behind each property for each moment of it."""
+    """Return a property file, or a view. After each property it has a cover for each of its moments."""
     return _PROPERTY.sub(lambda found: found.group() + _covers(found), vhdl)
 
 
 def cases(claim: str) -> list[str]:
-    """Return the sequences, in PSL, that must be reached for the property `always <claim>`, each once."""
+    """Return the PSL sequences that must be reached for the property `always <claim>`, each once."""
     return list(dict.fromkeys(filter(None, map(_sequence, _moments(claim, [[]])))))
 
 
@@ -51,7 +53,7 @@ def _covers(found: re.Match[str]) -> str:
 
 
 def _moments(claim: str, steps: _Steps) -> Iterator[_Steps]:
-    """Yield what must have happened, clock by clock, for each part of `claim` to count behind `steps`."""
+    """Yield what must have happened, clock by clock, until each part of `claim` counts after `steps`."""
     claim = _bare(claim)
     left, arrow, right = _halves(claim)
     if arrow:
@@ -68,21 +70,21 @@ def _moments(claim: str, steps: _Steps) -> Iterator[_Steps]:
 
 
 def _also(steps: _Steps, *conditions: str) -> _Steps:
-    """Return `steps` with more conditions of the last clock."""
+    """Return `steps` with more conditions in the last clock."""
     return [*steps[:-1], [*steps[-1], *map(str.strip, conditions)]]
 
 
 def _sequence(steps: _Steps) -> str:
-    """Return the sequence in PSL; empty if it is any one clock."""
+    """Return the sequence in PSL. It is empty if any single clock will do."""
     if steps == [[]]:
         return ""
-    # Compared with true it is one term for GHDL, whose PSL takes only so many.
+    # Compared with true it is one term for GHDL, whose PSL takes only a limited number of terms.
     conditions = (" and ".join(f"({each})" for each in step) for step in steps)
     return "; ".join(f"true = ({each})" if each else "true" for each in conditions)
 
 
 def _at_bound(claim: str) -> list[str]:
-    """Return that a bound is reached, if `claim` is one."""
+    """Return the condition that a bound is reached, if `claim` is a bound."""
     found = _BOUND.fullmatch(claim)
     if found is None or not all(map(_is_balanced, found.groups())):
         return []
@@ -92,7 +94,7 @@ def _at_bound(claim: str) -> list[str]:
 
 
 def _halves(claim: str) -> tuple[str, str, str]:
-    """Return what is left and right of `->`."""
+    """Return the left and the right side of `->`."""
     depth = 0
     for place, letter in enumerate(claim):
         depth += (letter == "(") - (letter == ")")
@@ -102,7 +104,10 @@ def _halves(claim: str) -> tuple[str, str, str]:
 
 
 def _split(text: str, word: str) -> list[str]:
-    """Return the operands of `word` outside of all brackets; with nothing on its left it is a reduction."""
+    """Return the operands of `word` outside of all brackets.
+
+    With nothing on its left, the word is a reduction.
+    """
     parts, depth, begin = [], 0, 0
     for found in re.finditer(rf"[()]|\b{word}\b", text):
         if found.group() in "()":
@@ -114,7 +119,7 @@ def _split(text: str, word: str) -> list[str]:
 
 
 def _bare(text: str) -> str:
-    """Return an expression without brackets, or a call of `holds`, around all of it."""
+    """Return an expression without the brackets, or the call of `holds`, around the whole of it."""
     text = text.strip()
     while found := re.fullmatch(r"(?:holds\s*)?\((.*)\)", text, re.DOTALL):
         if not _is_balanced(found.group(1)):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The digest of all that a proof depends on. The record has it, so that a stale proof is noticed."""
+"""The digest of everything on which a proof depends.
+
+The record keeps it, so that a stale proof is noticed.
+"""
 
 from __future__ import annotations
 
@@ -18,17 +21,18 @@ from unitylink.gateware import repairs as repairs_module
 from unitylink.gateware.dependencies import needed_sources, plain_text
 
 _HERE = Path(__file__).parent
-_ASKS = (  # what makes the models, and what is asked of them
+_ASKS = (  # the files that make the models and ask the solvers
     *(_HERE / name for name in ("cases.py", "model.py", "solvers.py")),
     *(Path(str(module.__file__)) for module in (ghdl_module, repairs_module)),
 )
-_WORDS_ONLY = ("what", "not_proven", "quick")  # of a row: they change no question
+_WORDS_ONLY = ("what", "not_proven", "quick")  # fields of a row that change no question
 
 
 def digest(block: Block) -> str:
-    """Return 16 hex digits over all VHDL that `block` is made of, its row, and how it is asked.
+    """Return 16 hex digits over all VHDL of `block`, over its row, and over the questions for the solvers.
 
-    Comments, docstrings and blanks do not count. Nor do the versions of the solvers: what one proves, holds.
+    Comments, docstrings and blanks do not count. Nor do the versions of the solvers, because a proof stays
+    valid.
     """
     said = hashlib.sha256()
     for part in (_row(block), *map(plain_text, sources_of(block)), *map(_python, _ASKS)):
@@ -37,12 +41,12 @@ def digest(block: Block) -> str:
 
 
 def sources_of(block: Block) -> list[Path]:
-    """Return the VHDL files that the block and its properties are made of."""
+    """Return the VHDL files of the block and of its properties."""
     return needed_sources(block.top, [*gateware_sources(), *(gateware_folder() / "formal").glob("*.vhd")])
 
 
 def stale(blocks: tuple[Block, ...], record: Mapping[str, Mapping[str, object]]) -> list[str]:
-    """Return the blocks of which the record has no proof, or one of other sources."""
+    """Return the blocks that have no proof in the record, or one of other sources."""
     return [block.name for block in blocks if record.get(block.name, {}).get("digest") != digest(block)]
 
 

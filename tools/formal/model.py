@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a property file to models for the solvers: GHDL, mended, through yosys."""
+"""From a property file to models for the solvers: GHDL's output is repaired and goes through yosys."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ from unitylink.errors import ToolError
 from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
 from unitylink.gateware.repairs import repaired
 
-SECONDS_MOST = 600.0  # of one call of a program
+SECONDS_MOST = 600.0  # for one call of a program
 
-# GHDL prints PSL in Verilog as what no reader of Verilog takes for a property.
+# GHDL prints PSL in a form that no reader of Verilog takes for a property.
 _FATAL = r'always @\*\s*if \(!(\S+)\)\s*\$fatal\(1, "'
 _PSL = tuple(
     (re.compile(pattern, re.MULTILINE), replacement)
     for pattern, replacement in (
         (r"^\s*(\S+): assert (\S+) = '1' severity warning; --  assume$", r"  always @* \1: assume(\2);"),
         (r"^\s*(\S+): assert (\S+) = '1' severity note; --  cover$", r"  always @* \1: cover(\2);"),
-        (_FATAL + r'assertion\(cover\) failure (\S+)"\);', ""),  # GHDL's own; `cases` says more
+        (_FATAL + r'assertion\(cover\) failure (\S+)"\);', ""),  # GHDL's own cover; `cases` says more
         (_FATAL + r'assertion failure (\S+)"\);', r"always @* \2: assert(\1);"),
     )
 )
 
-# `setundef` before anything is optimised: what the VHDL leaves open stays open, and is not what suits yosys.
-# `rename -hide` of the names GHDL made up: so nets keep those of the VHDL, and traces can be read.
+# `setundef` comes before any optimisation. So what the VHDL leaves open stays open, and yosys does not choose
+# a value. `rename -hide` hides the names that GHDL made up. So nets keep the names of the VHDL, and traces
+# can be read.
 _SCRIPT = """
 read_verilog -formal {verilog}
 hierarchy -check -top {top}
@@ -64,7 +65,7 @@ write_aiger -zinit -no-startoffset -map {aiger}.map {aiger}
 
 @dataclass(frozen=True)
 class Model:
-    """What the solvers are given, and what it asserts: names in the order in which ABC numbers them."""
+    """The input of the solvers, and the names that it asserts, in the order in which ABC numbers them."""
 
     top: str
     smt2: Path
@@ -74,17 +75,17 @@ class Model:
 
     @property
     def witness(self) -> Path:
-        """Where ABC puts the inputs that violate something."""
+        """The file in which ABC puts the inputs that violate a property."""
         return self.aiger.with_suffix(".aiw")
 
     @property
     def named(self) -> list[str]:
-        """What has a label; GHDL numbers asserts that have none, as those about generics."""
+        """The asserts that have a label. GHDL numbers the others, such as those about generics."""
         return sorted(name for name in self.asserted if not re.fullmatch(r"n\d+", name.rpartition(".")[2]))
 
 
 def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
-    """Make the model of `block` in `folder`, with one text of the design replaced if there is a `mutant`."""
+    """Make the model of `block` in `folder`. If there is a `mutant`, one text of the design is replaced."""
     sources = list(gateware_sources())
     if mutant is not None:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
@@ -98,7 +99,7 @@ def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
 
 
 def unreachable(block: Block, model: Model) -> Model:
-    """Return the model that asserts of each cover that it is never reached, and nothing else."""
+    """Return a model that asserts only that each cover is never reached."""
     source = model.smt2.with_suffix(".v")
     verilog = re.sub(r"(?m)^.*\bassert\(.*$", "", source.read_text(encoding="utf-8"))
     return _made(block, re.sub(r"\bcover\(", "assert(!", verilog), source.with_name("covers.v"))
@@ -127,25 +128,25 @@ def _made(block: Block, verilog: str, source: Path) -> Model:
 
 
 def _removed(block: Block) -> str:
-    """Return the commands that take parts out of the design, whose outputs then have any value."""
+    """Return the commands that remove parts of the design. Their outputs then have any value."""
     patterns = [f"{entity}_*/{instance}" for entity, instance in block.without]
     return "\n".join(f"select -assert-count 1 {each}\ndelete {each}" for each in patterns)
 
 
 def _seen(block: Block) -> str:
-    """Return the commands that give inputs of the property file the values of signals of the flat design."""
+    """Return the commands that give inputs of the property file the values of signals in the flat design."""
     commands = [f"delete -input w:{port}" for port in block.seen]
     commands += [f"connect -nomap -set \\{port} \\{signal}" for port, signal in block.seen.items()]
     return "\n".join([f"cd {block.top}", *commands, "cd .."])
 
 
 def _loose(block: Block) -> str:
-    """Return the commands that take its driver from signals of the flat design."""
+    """Return the commands that remove the drivers of signals in the flat design."""
     return "\n".join(f"select -assert-count 1 w:{each}\ncutpoint w:{each}" for each in block.loose)
 
 
 def _given(block: Block) -> str:
-    """Return the commands that drive signals of the flat design with signals of the property file."""
+    """Return the commands that drive signals of the flat design with outputs of the property file."""
     commands = [f"select -assert-count 1 w:{each}\ncutpoint w:{each}" for each in block.given]
     commands += [f"connect -nomap -set \\{signal} \\{own}" for signal, own in block.given.items()]
     commands += [f"delete -output w:{own}" for own in block.given.values()]
@@ -153,7 +154,10 @@ def _given(block: Block) -> str:
 
 
 def with_properties(verilog: str) -> str:
-    """Return the netlist with GHDL's properties as Verilog has them; raise ToolError if one is left."""
+    """Return the netlist with GHDL's properties in a form that Verilog has.
+
+    Raises ToolError if one is left.
+    """
     for pattern, replacement in _PSL:
         verilog = pattern.sub(replacement, verilog)
     if left := re.search(r"^.*(\$fatal|severity).*$", verilog, re.MULTILINE):
@@ -162,7 +166,10 @@ def with_properties(verilog: str) -> str:
 
 
 def run(command: Sequence[str], seconds_most: float = SECONDS_MOST) -> tuple[int, str]:
-    """Run a program to its end: its exit code and all it said. Raises ToolError: missing, or no end."""
+    """Run a program to its end. Return its exit code and its whole output.
+
+    Raises ToolError if it is missing or does not end.
+    """
     try:
         done = subprocess.run(
             command,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was proven, for readers: the table on the terminal, and docs/gateware/formal.md."""
+"""The proofs for readers: the table on the terminal, and docs/gateware/formal.md."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ fails if a proof is stale. A block of your own needs
 
 
 def table(blocks: Sequence[Block], results: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the table as `make formal` prints it, one line a block."""
+    """Return the table that `make formal` prints, with one line for each block."""
     lines = [f"{'block':24} {'properties':>10} {'depth':>6} {'for ever':>14} {'covers':>7} {'mutants':>8}"]
     for block in blocks:
         if found := results.get(block.name):
@@ -96,9 +96,9 @@ def _wrapped(text: str, indent: str = "") -> str:
 
 
 def sentences(name: str) -> list[tuple[str, str, str]]:
-    """Return (label, kind, sentence) of every property of a block, as the comment above it says it.
+    """Return (label, kind, sentence) of every property of a block. The sentence is the comment above it.
 
-    Those of the views it instantiates, which several blocks share, come first.
+    Properties of its views come first, because several blocks share these.
     """
     text = (FOLDER / f"{name}_formal.vhd").read_text(encoding="utf-8")
     found = []

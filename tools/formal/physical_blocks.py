@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is proven of the physical layers."""
+"""What is proven about the physical layers."""
 
 from __future__ import annotations
 

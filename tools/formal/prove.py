@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prove blocks and catch their mutants; print what goes on and the table, and write record and page."""
+"""Prove blocks and catch their mutants. Print progress and the table, and write record and page."""
 
 from __future__ import annotations
 
@@ -27,18 +27,21 @@ RECORD = ROOT / "gateware" / "formal.json"
 PAGE = ROOT / "docs" / "gateware" / "formal.md"
 TRACES = ROOT / "build" / "formal"
 
-SECONDS_SILENT = 30  # at most, then what is under way is told
+SECONDS_SILENT = 30  # after so long without a result, the tasks under way are printed
 
 Result = dict[str, Any]
 
 
 def prove(block: Block) -> Result:
-    """Return the figures of a block; raise ToolError: a property fails, a case or cover is out of reach."""
+    """Return the figures of a block.
+
+    Raises ToolError if a property fails, or a case or cover is out of reach.
+    """
     with tempfile.TemporaryDirectory(prefix="unitylink-formal-") as folder:
         made = model(block, Path(folder))
         TRACES.mkdir(parents=True, exist_ok=True)
         trace = TRACES / f"{block.name}.vcd"
-        failed = violated(made, block.depth, trace) if block.depth else []  # 0: ABC alone searches
+        failed = violated(made, block.depth, trace) if block.depth else []  # with depth 0, only ABC searches
         if not failed and block.deep and violated_at(made, block.deep) is not None:
             failed = followed(made, trace)
         if failed:
@@ -79,7 +82,7 @@ def prove(block: Block) -> Result:
 
 
 def catch(block: Block, mutant: Mutant) -> str:
-    """Return the property that notices the fault first; raise ToolError if none does."""
+    """Return the property that notices the fault first. Raises ToolError if none does."""
     with tempfile.TemporaryDirectory(prefix="unitylink-formal-") as folder:
         made = model(block, Path(folder), mutant)
         if found := violated_at(made, block.reached):
@@ -93,7 +96,7 @@ def catch(block: Block, mutant: Mutant) -> str:
 
 
 def timed(block: Block, mutant: Mutant | None) -> tuple[Result | str, float]:
-    """Do one task; what came of it, and the seconds of a processor: wall time says much of other work."""
+    """Do one task. Return its result and its processor seconds, because wall time depends on other work."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     found = prove(block) if mutant is None else catch(block, mutant)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -101,13 +104,16 @@ def timed(block: Block, mutant: Mutant | None) -> tuple[Result | str, float]:
 
 
 def run_all(blocks: list[Block], jobs: int) -> tuple[dict[str, Result], list[str]]:
-    """Prove `blocks`, so many things at a time; the results of the blocks that passed, and what is wrong."""
+    """Prove `blocks`, with so many tasks at a time.
+
+    Return the results of the blocks that passed, and what is wrong.
+    """
     results: dict[str, Result] = {}
     caught: dict[tuple[str, int], str] = {}
     wrong: list[str] = []
     begun = time.monotonic()
     with ProcessPoolExecutor(jobs) as pool:
-        # The slow ones are the last rows. They go first, so that none is left alone at the end.
+        # The slow rows are last in the table. They are started first, so that none runs alone at the end.
         tasks: dict[Future[tuple[Result | str, float]], tuple[Block, int]] = {}
         for block in reversed(blocks):
             tasks[pool.submit(timed, block, None)] = (block, -1)
@@ -151,7 +157,7 @@ def _named(block: Block, mutant: int) -> str:
 
 
 def main() -> int:
-    """Prove; 0 if everything holds and every mutant is caught."""
+    """Prove everything. Return 0 if all properties hold and every mutant is caught."""
     parser = argparse.ArgumentParser(description=__doc__)
     names = [block.name for block in BLOCKS]
     parser.add_argument(
@@ -167,7 +173,7 @@ def main() -> int:
     print("\n" + table(blocks, results))
     for text in wrong:
         print(text, file=sys.stderr)
-    # What failed is in neither record nor page.
+    # A block that failed is neither in the record nor on the page.
     known = {name: known[name] for name in known if name not in {block.name for block in blocks}} | results
     record = {name: known[name] for name in names if name in known}
     RECORD.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The solvers, each asked one thing of a model."""
+"""The solvers. Each function asks one of them one question about a model."""
 
 from __future__ import annotations
 
@@ -12,19 +12,22 @@ from unitylink.errors import ToolError
 
 _ASSERTED = re.compile(r"Output +(\d+)\b.* was asserted in frame +(\d+)")
 _SATISFIABLE = re.compile(r"^SATISFIABLE", re.MULTILINE)
-_NO_MEMORY = "Does not work for combinational networks"  # of such, one clock is as good as many
+# in a model without memory, one clock is as good as many
+_NO_MEMORY = "Does not work for combinational networks"
 
 
 def violated(model: Model, depth: int, trace: Path | None = None) -> list[str]:
-    """Return what z3 finds violated within `depth` clocks of power-up; the waves go to `trace`."""
+    """Return what z3 finds violated within `depth` clocks of power-up. The waves go to `trace`."""
     waves = [f"--dump-vcd={trace}"] if trace else []
     return _violated(model, "-t", str(depth), *waves)
 
 
 def violated_at(model: Model, depth: int) -> tuple[int, str] | None:
-    """Return the first of `depth` clocks in which ABC finds a property violated, and which one; or None.
+    """Return the first of `depth` clocks in which ABC finds a violation, and its property.
 
-    How is kept beside the model, for `followed`.
+    Return None if there is none.
+
+    The inputs that lead there are kept beside the model, for `followed`.
     """
     said = _abc(model, f"bmc3 -F {depth}; write_cex -a {model.witness}")
     if found := _ASSERTED.search(said):
@@ -38,18 +41,21 @@ def violated_at(model: Model, depth: int) -> tuple[int, str] | None:
 
 
 def followed(model: Model, trace: Path) -> list[str]:
-    """Return what z3 finds violated by the inputs that ABC found; the waves go to `trace`."""
+    """Return what z3 finds violated with the inputs that ABC found. The waves go to `trace`."""
     witness = f"{model.aiger}.map:{model.witness}"
     return _violated(model, "--aig", witness, "--aig-noheader", f"--dump-vcd={trace}")
 
 
 def inductive(model: Model, depth: int) -> bool:
-    """Return whether z3 shows that `depth` good clocks, from any state at all, are followed by a good one."""
+    """Return whether z3 shows that a good clock follows after `depth` good clocks, from any state at all."""
     return _smtbmc(model, "-t", str(depth), "-i")[0] == 0
 
 
 def reached(covers: Model, depth: int) -> dict[str, int]:
-    """Return which covers ABC reaches within `depth` clocks, and when; `covers` is of `unreachable`."""
+    """Return the covers that ABC reaches within `depth` clocks, each with its clock.
+
+    `covers` is the result of `unreachable`.
+    """
     if not covers.asserted:
         return {}
     said = _abc(covers, f"bmc3 -a -x -F {depth}")
@@ -62,7 +68,7 @@ def reached(covers: Model, depth: int) -> dict[str, int]:
 
 
 def reached_late(covers: Model, name: str) -> int | None:
-    """Return in which clock ABC reaches a cover, if ever, however late."""
+    """Return the clock in which ABC reaches a cover, however late. Return None if it never does."""
     said = _abc(covers, f"cone -O {covers.asserted.index(name)} -s; scorr; dc2; scorr; pdr")
     if found := _ASSERTED.search(said):
         return int(found.group(2))
@@ -72,7 +78,9 @@ def reached_late(covers: Model, name: str) -> int | None:
 
 
 def always(model: Model, name: str | None = None) -> bool:
-    """Return whether ABC finds an invariant under which no property, or not that one, is ever violated."""
+    """Return whether ABC finds an invariant under which no property is ever violated, or not the one called
+    `name`.
+    """
     alone = f"cone -O {model.asserted.index(name)} -s; scorr; dc2; " if name else ""
     said = _abc(model, f"{alone}scorr; pdr")
     if "Property proved" in said:

@@ -6,8 +6,8 @@
     make fresh DOWNLOADS=FOLDER          pip's downloads are kept there; fetching them is not tried again
     make fresh DEBIAN=1                  as root, each on a bare Debian, where apt-get installs what is absent
 
-What is committed is tried. The machine's Debian packages stay, but with DEBIAN=1. A compiler launcher of the
-environment (CMAKE_CXX_COMPILER_LAUNCHER) stays too. What each target printed is in build/fresh.
+It tries the last commit. The machine's Debian packages stay, except with DEBIAN=1. A compiler launcher of the
+environment (CMAKE_CXX_COMPILER_LAUNCHER) stays too. The output of each target is in build/fresh.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from machines import Absent, Debian, Here
 from short_forms import SHORT_FORMS
 
 ROOT = Path(__file__).resolve().parents[2]
-LONGEST_S = 3600  # for one target; a hang is a failure with a name
-LAST_LINES = 15  # of a target that failed
+LONGEST_S = 3600  # for one target; a hang is then a failure with a name
+LAST_LINES = 15  # printed of a target that failed
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Outcome:
     command: str
     seconds: float
     complaint: str  # "" if all is well
-    changed: str  # files of the clone that are not as committed
+    changed: str  # files of the clone that differ from the commit
 
     def row(self) -> str:
         end = f"FAILED: {self.complaint}" if self.complaint else "ok"
@@ -48,7 +48,7 @@ class Outcome:
 
 
 def try_target(checkout: Path, machine: Here | Debian, name: str, variables: str, log: Path) -> Outcome:
-    """Run one target in a clone of its own, which is removed again."""
+    """Run one target in a clone of its own. The clone is removed at the end."""
     command = ["make", "--no-print-directory", name, *shlex.split(variables)]
     folder = Path(tempfile.mkdtemp(prefix="unitylink-fresh-"))
     clone = folder / "checkout"
@@ -68,14 +68,17 @@ def try_target(checkout: Path, machine: Here | Debian, name: str, variables: str
 
 
 def _git(folder: Path) -> dict[str, str]:
-    """Return an environment in which git reads a checkout of somebody else: in a container it often is."""
+    """Return an environment in which git reads a checkout of another user.
+
+    In a container, that is often so.
+    """
     settings = folder / "gitconfig"
     settings.write_text("[safe]\n\tdirectory = *\n")
     return {**os.environ, "GIT_CONFIG_GLOBAL": str(settings)}
 
 
 def _end_of(machine: Here | Debian, folder: Path, running: subprocess.Popen[bytes]) -> str:
-    """Wait, and end what the target left running. Return what is wrong with its end."""
+    """Wait, and end what the target left running. Return what was wrong with its end."""
     try:
         code = running.wait(LONGEST_S)
         return f"exit code {code}" if code else ""
@@ -94,7 +97,10 @@ def run(
     machine: Here | Debian,
     logs: Path,
 ) -> list[Outcome]:
-    """Try each target, after a failure the next one too. Show the progress; return how each ended."""
+    """Try each target.
+
+    After a failure, go on with the next one. Print the progress. Return how each target ended.
+    """
     logs.mkdir(parents=True, exist_ok=True)
     outcomes = []
     for number, name in enumerate(names, 1):
@@ -129,7 +135,8 @@ def main() -> int:
             parser.exit(1, f"{why}\n")
     if subprocess.check_output(["git", "status", "--porcelain"], cwd=ROOT):
         print("note: what is not committed is not tried")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # what runs is ended, and its clone is removed
+    # so that what runs is ended, and its clone is removed
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     outcomes = run(names, SHORT_FORMS, ROOT, machine, logs)
     failed = sum(bool(outcome.complaint) for outcome in outcomes)
     print(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where a target is tried: on this machine with an empty home, or on a bare Debian in a folder."""
+"""The machine on which a target is tried: this one with an empty home, or a bare Debian in a folder."""
 
 from __future__ import annotations
 
@@ -14,26 +14,30 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-# What a command may know of this machine: its programs, its language, its network, its compiler.
+# What a command may know about this machine: its programs, its language, its network, its compiler.
 KEPT = re.compile(
     r"PATH|LANG|LC_\w+|TERM|TZ|CC|CXX|\w+_proxy|SSL_CERT_\w+|REQUESTS_CA_BUNDLE|PIP_\w+|CMAKE_\w+_LAUNCHER|CCACHE_\w+",
     re.IGNORECASE,
 )
 # What README.md asks for, and what apt-get and pip need to reach a server.
 ASKED = ("git", "make", "python3", "python3-venv", "python3-dev", "g++", "ca-certificates")
-LOOKS = 5  # for what still runs: while a process becomes another program, it has no environment
+# times to look for running processes; while a process starts another program, its environment is empty
+LOOKS = 5
 RELEASE, ARCHIVE = "bookworm", "http://deb.debian.org/debian"
 
 
 class Absent(Exception):
-    """The machine that is asked for cannot be had here."""
+    """The requested machine cannot be made here."""
 
 
 @dataclass(frozen=True)
 class Here:
-    """This machine. Its Debian packages stay: that a target installs what it needs of them is not tried.
+    """This machine.
 
-    `downloads`: a folder that keeps what pip has fetched. Without it each target fetches anew.
+    This machine with an empty home. Its Debian packages stay, so this does not test whether a target installs
+    those.
+
+    `downloads` is a folder that keeps what pip has fetched. Without it, each target fetches everything again.
     """
 
     downloads: Path | None = None
@@ -53,7 +57,10 @@ class Here:
         )
 
     def end_all(self, folder: Path) -> None:
-        """End what still runs with that home. Ninja gives each compiler a process group of its own."""
+        """End every process that still runs with this home.
+
+        Ninja starts each compiler in a process group of its own.
+        """
         mark = f"HOME={folder / 'home'}".encode()
         unseen = 0
         while unseen < LOOKS:
@@ -68,7 +75,8 @@ class Here:
         """Return the environment of a new user of this machine."""
         kept = {name: value for name, value in mine.items() if KEPT.fullmatch(name)}
         kept.pop("PIP_CACHE_DIR", None)
-        virtual = Path(mine.get("VIRTUAL_ENV") or "/nowhere")  # an active environment is not the machine's
+        # an active virtual environment does not belong to the machine
+        virtual = Path(mine.get("VIRTUAL_ENV") or "/nowhere")
         places = [
             place for place in mine.get("PATH", os.defpath).split(":") if Path(place) != virtual / "bin"
         ]
@@ -77,7 +85,7 @@ class Here:
 
 
 def _started_with(pid: str) -> list[bytes]:
-    """Return the environment a process was started with; of one that has ended, nothing."""
+    """Return the environment with which a process was started. It is empty if the process has ended."""
     try:
         return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
     except OSError:
@@ -86,7 +94,7 @@ def _started_with(pid: str) -> list[bytes]:
 
 @dataclass(frozen=True)
 class Debian:
-    """A bare Debian in `base`, which each target changes for itself alone: as root, with debootstrap.
+    """A bare Debian in `base`. Each target sees only its own changes to it. It needs root and debootstrap.
 
     `downloads` keeps what pip and apt-get have fetched.
     """
@@ -95,7 +103,7 @@ class Debian:
     downloads: Path | None = None
 
     def make(self) -> None:
-        """Make the base if it is not there. It has what README.md asks for, and no more."""
+        """Make the base if it is not there. It has only what README.md asks for."""
         if os.geteuid() != 0 or not shutil.which("debootstrap"):
             raise Absent("a bare Debian needs root and debootstrap: apt-get install debootstrap")
         if (self.base / ".made").exists():
@@ -112,15 +120,16 @@ class Debian:
             )
         if made.returncode:
             raise Absent(f"debootstrap made no Debian: {log.name}")
-        for file in ("/etc/resolv.conf", "/etc/ssl/certs/ca-certificates.crt"):  # the way to the servers
+        # the files that are needed to reach the servers
+        for file in ("/etc/resolv.conf", "/etc/ssl/certs/ca-certificates.crt"):
             shutil.copyfile(file, f"{self.base}{file}")
         services = self.base / "usr/sbin/policy-rc.d"
-        services.write_text("#!/bin/sh\nexit 101\n")  # a package starts no service here
+        services.write_text("#!/bin/sh\nexit 101\n")  # packages must not start services here
         services.chmod(0o755)
         (self.base / ".made").touch()
 
     def run(self, folder: Path, command: list[str], log: int) -> subprocess.Popen[bytes]:
-        """Start `command` in the clone folder/checkout. Its changes of the system are in folder/changes."""
+        """Start `command` in the clone folder/checkout. Its changes to the system are in folder/changes."""
         for name in ("changes", "work", "system"):
             (folder / name).mkdir()
         words = ["env", "-i", f"HOME={_HOME}", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
@@ -136,11 +145,11 @@ class Debian:
         )
 
     def end_all(self, folder: Path) -> None:
-        """Do nothing: with its first process all others of a process namespace end."""
+        """Do nothing. When the first process of a process namespace ends, all others end with it."""
 
 
-_HOME = "/home/new"  # of the user in that Debian
-# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, the clone in the new home
+_HOME = "/home/new"  # the home of the user in that Debian
+# enter BASE FOLDER DOWNLOADS COMMAND...: it puts a layer above the base, and the clone into the new home
 _ENTER = f"""
 base=$1 folder=$2 downloads=$3 system=$2/system
 home=$system{_HOME}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The targets of `make help`, each with the variables of its short form: all the set-up, little work."""
+"""The targets of `make help`, each with the variables of its short form: full set-up, little work."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 
 SHORT_FORMS = {
     "demo": "",
-    "demo-walker": "RTL=1",  # what the gateware's own VHDL needs beside
+    "demo-walker": "RTL=1",  # what the gateware's own VHDL needs, too
     "demo-pa10": "",
     "demo-ros": "",
     "extras": "",

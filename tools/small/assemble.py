@@ -24,7 +24,7 @@ NOTE = "Generated from gateware/small/program.asm by tools/small/assemble.py; ed
 PROGRAM_WORDS = 1024
 MEMORY_BYTES = 512
 
-# As in gateware/small/small_instruction_pkg.vhd.
+# They are the same as in gateware/small/small_instruction_pkg.vhd.
 OPERATIONS = (
     "ld",
     "and",
@@ -53,7 +53,7 @@ ACTIONS = {
 DIRECT, IMMEDIATE = 0, 1
 MODES = {"[x]": 2, "[x+]": 3}
 
-# What gateware/small/small_memory_pkg.vhd and framed_small.vhd need to know.
+# gateware/small/small_memory_pkg.vhd and framed_small.vhd need these values.
 TOLD = (
     "description", "a_bytes", "d_bytes", "window", "window_mask", "post_size", "write_bytes", "reply", "ring",
     "request_max", "reply_max", "credit", "cache_bytes", "window_max",
@@ -61,14 +61,14 @@ TOLD = (
 
 
 class Mistake(ValueError):
-    """A line that cannot be assembled."""
+    """A line cannot be assembled."""
 
 
 @dataclass(frozen=True)
 class Line:
     """One instruction of the source."""
 
-    number: int  # of the line
+    number: int  # number of the line
     labels: tuple[str, ...]
     operation: str
     operand: str
@@ -77,14 +77,14 @@ class Line:
 
 @dataclass
 class Program:
-    """The source, taken apart: its instructions, the places they name, and values of names."""
+    """The source, taken apart: its instructions, the labels that they name, and the values of names."""
 
     lines: list[Line] = field(default_factory=list)
     labels: dict[str, int] = field(default_factory=dict)
     names: dict[str, int] = field(default_factory=dict)
     heads: dict[int, list[str]] = field(
         default_factory=dict
-    )  # comments of whole lines, by the next instruction
+    )  # comments that fill a line, by the next instruction
     words: list[int] = field(default_factory=list)
 
 
@@ -102,7 +102,7 @@ def value_of(text: str, names: Mapping[str, int]) -> int:
 
 
 def within(value: int, most: int, text: str) -> int:
-    """Return a value that must not be more than so many."""
+    """Return a value that must be at most `most`."""
     if not 0 <= value < most:
         raise Mistake(f"{text} is {value}, and must be from 0 to {most - 1}")
     return value
@@ -241,7 +241,7 @@ def listing(program: Program) -> str:
 
 
 def main() -> int:
-    """Write what is stale; 1 if something is stale and nothing may be written."""
+    """Write the stale files. Return 1 if a file is stale and nothing may be written."""
     try:
         program = assemble(SOURCE.read_text(encoding="utf-8"))
     except Mistake as mistake:

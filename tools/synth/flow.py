@@ -36,14 +36,14 @@ class Chip:
     name: str
     synthesise: str
     place: Sequence[str]
-    cell: str  # what nextpnr calls a logic cell
+    cell: str  # nextpnr's name of a logic cell
     memory: str
-    lut: str  # what yosys calls these
+    lut: str  # yosys' names of these
     flip_flop: str
 
 
 SIZED = "sized_core"
-# A record cannot be given on a command line.
+# The command line cannot set a generic that is a record.
 SIZED_CORE = """
 library ieee;
   use ieee.std_logic_1164.all;
@@ -114,7 +114,7 @@ CHIPS = {"ice40": ICE40, "ecp5": ECP5}
 
 @dataclass(frozen=True)
 class Mapped:
-    """What yosys made of it: a netlist of the chip's cells."""
+    """The result of yosys: a netlist of the chip's cells."""
 
     chip: Chip
     luts: int
@@ -133,7 +133,7 @@ def verilog_of(row: Row) -> str:
 
 
 def design_of(row: Row, folder: Path) -> list[Path]:
-    """Write the design of the row's example to `folder`; return its VHDL files."""
+    """Write the design of the row's example to `folder`. Return its VHDL files."""
     spec = load(str(ROOT / "examples" / row.example / f"{row.example}.ul"))
     write_files(planned_files(SpecPlan(spec, {"protocol": row.protocol}), ["vhdl"]), folder)
     return sorted(folder.rglob("*.vhd"))
@@ -153,7 +153,7 @@ def core_netlist(settings: Mapping[str, int | str | bool], engine: str = "fast")
 
 
 def digest(row: Row) -> str:
-    """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
+    """Return 16 hex digits over everything that makes the row's netlist. Comments and blanks do not count."""
     engine = "" if row.example or row.engine == "fast" else row.engine
     said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), engine)).encode())
     with tempfile.TemporaryDirectory() as folder:
@@ -164,10 +164,12 @@ def digest(row: Row) -> str:
 
 
 def netlist_digest(verilog: str) -> str:
-    """Return 16 hex digits over a netlist. The names that GHDL makes do not count: those of nets, and what it
-    puts behind an entity for its generics.
+    """Return 16 hex digits over a netlist.
 
-    The same netlist is mapped and placed alike, so a row with the same digest keeps its figures.
+    The names that GHDL makes do not count: those of nets, and its additions to an entity's name for the
+    generics.
+
+    The same netlist is mapped and placed in the same way. So a row with the same digest keeps its figures.
 
     >>> netlist_digest("assign n12 = n7 & n12;") == netlist_digest("assign n3 = n1 & n3;")
     True
@@ -175,7 +177,7 @@ def netlist_digest(verilog: str) -> str:
     False
     """
     said = hashlib.sha256()
-    verilog = re.sub(r"/\*.*?\*/|//.*", "", verilog)  # places in the sources
+    verilog = re.sub(r"/\*.*?\*/|//.*", "", verilog)  # comments with places in the sources
     modules = {
         name: f"module{n}" for n, name in enumerate(re.findall(r"^module (\w+)", verilog, re.MULTILINE))
     }
@@ -188,7 +190,7 @@ def netlist_digest(verilog: str) -> str:
 
 
 def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
-    """Return what yosys maps a Verilog netlist to."""
+    """Return the cells to which yosys maps a Verilog netlist."""
     with tempfile.TemporaryDirectory() as folder:
         source, mapped = Path(folder) / "design.v", Path(folder) / "design.json"
         source.write_text(verilog, encoding="utf-8")
@@ -207,12 +209,13 @@ def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
 
 
 def place(mapped: Mapped, seeds: Sequence[int]) -> dict[str, float | int | list[float]]:
-    """Place and route with each of the seeds; the figures of a row of the record."""
+    """Place and route with each of the seeds. Return the figures for a row of the record."""
     clocks, used = [], {}
     for seed in seeds:
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "design.json").write_text(mapped.netlist, encoding="utf-8")
-            # In the folder and by bare names: the tool from PyPI is WebAssembly and sees not all paths.
+            # In the folder and with bare names, because the tool from PyPI is WebAssembly and does not see
+            # all paths.
             options = ["--json", "design.json", "--report", "report.json", "--seed", str(seed), "--quiet"]
             program, *fixed = mapped.chip.place
             call(
@@ -238,7 +241,7 @@ def place(mapped: Mapped, seeds: Sequence[int]) -> dict[str, float | int | list[
 
 
 def versions() -> list[str]:
-    """Return what the figures were made with."""
+    """Return the tools, and their versions, that made the figures."""
     ghdl = call(tool("ghdl"), "--version").splitlines()[0]
     yosys = call(tool("yosys"), "-V").split("(")[0].strip()
     placers = [f"{Path(chip.place[0]).name} {_version(chip.place[0])}" for chip in CHIPS.values()]
@@ -259,7 +262,10 @@ def tool(name: str) -> str:
 
 
 def call(*command: str, folder: Path | None = None) -> str:
-    """Run a tool to its end; what it printed. A failure ends the program with the tool's own words."""
+    """Run a tool to its end, and return its output.
+
+    If it fails, the program ends with the tool's own message.
+    """
     done = subprocess.run(
         command, capture_output=True, text=True, timeout=SECONDS_MOST, check=False, cwd=folder
     )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure rows on both chips and compare with the record; with --accept, write record and page anew.
+"""Measure rows on both chips and compare them with the record. With --accept, write record and page again.
 
-With --changed, only rows whose netlist differs from the record's are measured; the others keep their figures.
+With --changed, only rows with a changed netlist are measured. The others keep their figures.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ RECORD = ROOT / "gateware" / "area.json"
 PAGE = ROOT / "docs" / "gateware" / "area.md"
 GROWTH_MOST = 1.02
 CLOCK_LEAST = 0.95
-PEERS = {  # the gateware of 2012 in the same flow: cells, MHz on iCE40; cells, MHz on ECP5
+PEERS = {  # the gateware of 2012 in the same flow: cells and MHz on iCE40, cells and MHz on ECP5
     "core": ((2182, 57.2), (3095, 76.1)),
     "no_publishing": ((1670, 51.4), (2535, 77.8)),
 }
@@ -40,7 +40,10 @@ Figures = dict[str, dict[str, Any]]
 
 
 def measure(row: Row, known: dict[str, Any] | None = None) -> dict[str, Any]:
-    """Return the figures of a row on each chip and the digest of its netlist: `known`, if it has that one."""
+    """Return the figures of a row on each chip, and the digest of its netlist.
+
+    `known` is returned if the digest is the same.
+    """
     verilog = verilog_of(row)
     netlist = netlist_digest(verilog)
     if known is not None and known.get("netlist") == netlist:
@@ -59,7 +62,7 @@ def measure(row: Row, known: dict[str, Any] | None = None) -> dict[str, Any]:
 
 
 def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
-    """Return what is worse than it may be."""
+    """Return which figures are too bad."""
     found = []
     ice40 = now.get("ice40", {})
     if row.cells_most is not None and ice40["cells"] > row.cells_most:
@@ -82,7 +85,7 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
 
 
 def limits(row: Row) -> str:
-    """Return what the project wants of the row, on iCE40."""
+    """Return the project's limits for the row, on iCE40."""
     wanted = [f"at most {row.cells_most} cells"] if row.cells_most else []
     wanted += [f"at most {row.memories_most} block RAMs"] if row.memories_most else []
     wanted += [f"at least {row.mhz_least:.0f} MHz"] if row.mhz_least else []
@@ -136,7 +139,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
 
 
 def main() -> int:
-    """Measure; 0 if nothing is worse than it may be."""
+    """Measure. Return 0 if no figure is too bad."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--accept", action="store_true", help="record what was measured, and write the page")
     parser.add_argument(

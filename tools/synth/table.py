@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rows to measure, one per configuration, with the limits of the project."""
+"""The rows to measure, one for each configuration, with the limits of the project."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ class Row:
     name: str
     what: str
     top: str = "core"
-    settings: Mapping[str, int | str | bool] = field(default_factory=dict)  # that differ from SMALL
-    example: str = ""  # the folder in examples/ whose generated design it is
-    protocol: str = "classic"  # of that design; a core has it among its settings
-    engine: str = "fast"  # of the framed protocol in a core
+    settings: Mapping[str, int | str | bool] = field(default_factory=dict)  # settings that differ from SMALL
+    example: str = ""  # the folder in examples/ with the spec of its generated design
+    protocol: str = "classic"  # protocol of that design; a core has it among its settings
+    engine: str = "fast"  # engine of the framed protocol in a core
     chips: tuple[str, ...] = ("ice40", "ecp5")
     seeds: tuple[int, ...] = SEEDS
     cells_most: int | None = None  # on iCE40
-    mhz_least: float | None = None  # on iCE40, the median of the seeds
+    mhz_least: float | None = None  # on iCE40, the median over the seeds
     memories_most: int | None = None  # on iCE40
 
 
-# The common settings of the core's rows: the goals of the project are for a small core.
+# The common settings of the core's rows, because the goals of the project are for a small core.
 SMALL: Mapping[str, int | str | bool] = {
     "protocol": "classic",
     "groups": 2,
@@ -39,7 +39,7 @@ SMALL: Mapping[str, int | str | bool] = {
 # The default settings of a spec, framed. The remedies of unitylink.boards.fit are measured on it.
 SHIPPED = {**SMALL, "protocol": "framed", "groups": 4, "group_size": 32, "exchange_size": 30}
 
-# What the small engine does not have is left out.
+# Without what the small engine does not have.
 SMALL_ENGINE = {
     "protocol": "framed",
     "publish_mode": 0,
@@ -50,7 +50,7 @@ SMALL_ENGINE = {
 
 
 def _smaller(name: str, what: str, **settings: int | bool) -> Row:
-    """Return a row that is measured only for its cells: on one chip, placed once."""
+    """Return a row that is measured only for its cells. It is placed once, on one chip."""
     changed = {**SHIPPED, **settings}
     return Row(name, f"`shipped` {what}", settings=changed, chips=("ice40",), seeds=SEEDS[:1])
 
@@ -125,7 +125,7 @@ ROWS = (
         chips=("ice40",),
         seeds=SEEDS[:1],
     ),
-    # Both together have more block RAM than an iCE40.
+    # Both together need more block RAM than an iCE40 has.
     Row(
         "hello_led_both",
         "the same, both protocols",

@@ -54,7 +54,7 @@ def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str,
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure: the cost of a long recording less that of a short one, over the difference in time."""
+    """Measure the figure: the cost of a long recording less that of a short one, over the time between."""
     long_s = SHORT_S + (2.0 if run.quick else 20.0)
     with tempfile.TemporaryDirectory() as name, twin("tcp") as board:
         folder = Path(name)
