@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command `unitylink`: the table of commands, and how all of them end.
+"""The command `unitylink`: the table of commands, and how each of them ends.
 
 A command is a module of `commands/`, or of the package `unitylink_lab` in a checkout, with a click command
 named `command`. It is imported when it is run. So
@@ -21,8 +21,8 @@ from unitylink.commands.checkout import CHECKOUT_NEEDED, in_checkout
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
 
-# name -> (module of commands/ or folder of unitylink_lab/, one line for `unitylink --help`), in the order
-# a user meets them
+# name -> (module of commands/ or folder of unitylink_lab/, one line for `unitylink --help`), in the order in
+# which a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
@@ -92,7 +92,7 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command, or say which one was probably meant."""
+        """Return the command, or raise a usage error with the name that was probably meant."""
         if args and args[0] in CHECKOUT_ONLY and args[0] not in available():
             raise click.UsageError(f"'{args[0]}' {CHECKOUT_NEEDED}", ctx)
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
@@ -104,7 +104,7 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Name the forms of a LINK. The native core knows them, and is loaded only here."""
+        """Name the forms of a LINK. The native core knows them. It is loaded only here."""
         from unitylink.connection.schemes import forms
 
         self.help = (self.help or "").replace("{forms}", forms())
@@ -123,7 +123,7 @@ def module_of(name: str) -> str:
 
 
 def available() -> dict[str, tuple[str, str]]:
-    """Return the commands that this installation has: in a wheel, all that need no checkout."""
+    """Return the commands of this installation. In a wheel, these are the commands that need no checkout."""
     here = in_checkout()
     return {name: row for name, row in COMMANDS.items() if here or name not in CHECKOUT_ONLY}
 
@@ -138,7 +138,7 @@ def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> No
 
 
 def _build() -> str:
-    """Say what this build runs on and where it stands, without loading the native core."""
+    """Describe the platform and the place of this build, without loading the native core."""
     where = os.path.dirname(os.path.abspath(__file__))
     implementation = f"{sys.implementation.name} {sys.version_info[0]}.{sys.version_info[1]}"
     return f"{implementation} on {sys.platform}, from {where}"
@@ -162,7 +162,10 @@ def _build() -> str:
 )
 @click.pass_context
 def cli(ctx: click.Context, include: tuple[str, ...]) -> None:
-    """See `help` above; the group itself only widens the search path, for as long as a command runs."""
+    """The help text is in `help` above.
+
+    The group itself only extends the search path while a command runs.
+    """
     if include:
         before = os.environ.get("UNITYLINK_PATH")
         os.environ["UNITYLINK_PATH"] = os.pathsep.join([*include, *([before] if before else [])])
@@ -184,7 +187,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     True
     """
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # a file name or a bar that the encoding has not is no error
+        # a character that the encoding lacks, in a file name or a bar, is no error
+        if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
@@ -195,7 +199,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             )
             return result if isinstance(result, int) else 0
         finally:
-            if not sys.stdout.closed:  # the language server closes it with the conversation
+            if not sys.stdout.closed:  # the language server closes stdout when the conversation ends
                 sys.stdout.flush()
     except click.UsageError as error:
         error.show()
@@ -209,11 +213,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(str(error))
     except (KeyboardInterrupt, click.Abort):
         return INTERRUPTED
-    except (BrokenPipeError, SystemExit):  # SystemExit is click's own answer to a broken pipe
+    except (BrokenPipeError, SystemExit):  # click raises SystemExit at a broken pipe
         silence_stdout()
         return PIPE_CLOSED
     except OSError as error:
-        if error.filename is None:  # a write to stdout failed: the disk is full
+        if error.filename is None:  # writing to stdout failed, because the disk is full
             silence_stdout()
         complain(
             f"{error.filename}: {error.strerror}" if error.filename else f"output: {error.strerror or error}"
@@ -222,7 +226,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def complain(message: str, help_line: str = "") -> None:
-    """Print an error on stderr, with what to do about it where that is known."""
+    """Print an error on stderr, with its remedy if that is known."""
     from unitylink.commands.output import colours
 
     red, bold, off = ("\x1b[1;31m", "\x1b[1m", "\x1b[0m") if colours(sys.stderr) else ("", "", "")

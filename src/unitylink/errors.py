@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every error Unity-Link raises, as one tree.
+"""All errors of Unity-Link, as one tree.
 
     UnityLinkError
     ├── LinkError                  something about a link; knows .item .address .attempts .elapsed_s
@@ -24,7 +24,7 @@
     ├── BoardError                 a board that is not known, or a design that does not go on it
     └── BindingError               a generated file that does not belong to this library, spec or link
 
-The branch tells the cause: a `LinkError` comes from the world outside, the others from the caller.
+The branch tells the cause. A `LinkError` comes from the outside world, the others come from the caller.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 
 def shown(value: object) -> str:
-    """Return a value as a short text, for an error.
+    """Return a value as a short text for an error.
 
     >>> shown([1, 2, "x"]), shown(10**5000)
     ("[1, 2, 'x']", 'a number that is too long to be shown')
     """
     try:
         return reprlib.repr(value)
-    except Exception:  # an integer with more digits than Python writes, or an object that cannot show itself
+    except Exception:  # an integer with more digits than Python writes, or an object whose repr fails
         return (
             f"a {'number' if isinstance(value, int) else type(value).__name__} that is too long to be shown"
         )
@@ -99,7 +99,7 @@ class LinkTimeout(LinkError):
 class OutcomeUnknown(LinkError):
     """A request with side effects was sent and its reply was lost: it may or may not have been executed.
 
-    Read the item back, or write a known state, before you go on. Nothing was repeated by itself.
+    Read the item back, or write a known state, before you go on. The library has repeated nothing.
     """
 
 
@@ -110,7 +110,7 @@ class LinkClosed(LinkError):
 class LinkDown(LinkError):
     """The line is gone and is being opened again (`reconnect=1`). Nothing was sent.
 
-    `Link.wait_up` waits for the line, `Link.on_event` tells when it is back.
+    `Link.wait_up` waits for the line. `Link.on_event` tells when it is back.
     """
 
 
@@ -123,19 +123,22 @@ class LinkNotFound(LinkError):
 
 
 class BusError(LinkError):
-    """The device answered that its bus refused the address, or that nothing answered at it."""
+    """The device answered that its bus refused the address, or that nothing answered at this address."""
 
 
 class ProtocolError(LinkError):
-    """The device answered something the protocol does not have, or refused a command."""
+    """The device's answer is not in the protocol, or it refused a command."""
 
 
 class UnexpectedValue(LinkError):
-    """The device holds a number that its type in the spec does not have, such as 3 in an enum of 0 to 2."""
+    """The device holds a number that is invalid for its type in the spec, such as 3 in an enum of 0 to 2."""
 
 
 class NetworkError(LinkError):
-    """The real-time network behind the gateware is offline, halted, or dropped a commit: see the message."""
+    """The real-time network behind the gateware is offline or halted, or it dropped a commit.
+
+    The message says which.
+    """
 
 
 class DeadManTripped(LinkError):
@@ -144,19 +147,19 @@ class DeadManTripped(LinkError):
 
 
 class DeviceMismatch(LinkError):
-    """The device cannot do what is asked: widths, group sizes, read-multiple, publishing."""
+    """The device cannot do what was requested: widths, group sizes, read-multiple, publishing."""
 
 
 class ValueRangeError(UnityLinkError, ValueError):
-    """A value, address or count that cannot be sent. Nothing was sent."""
+    """A value, address or count cannot be sent. Nothing was sent."""
 
 
 class AssignmentError(UnityLinkError, AttributeError):
-    """An attribute or entry of a robot that cannot be replaced. Write a value by its methods."""
+    """An attribute or entry of a robot cannot be replaced. Use the methods of a value to write it."""
 
 
 class UnknownName(UnityLinkError, KeyError):
-    """A name that a robot, a group or a recording does not have."""
+    """A robot, a group or a recording does not have this name."""
 
     def __str__(self) -> str:
         """Return the sentence without the quotes of a KeyError."""
@@ -164,7 +167,7 @@ class UnknownName(UnityLinkError, KeyError):
 
 
 class UrlError(UnityLinkError, ValueError):
-    """A link URL that cannot be understood."""
+    """A link URL cannot be understood."""
 
 
 class SpecError(UnityLinkError):
@@ -180,8 +183,8 @@ class ToolError(UnityLinkError):
 
 
 class BoardError(UnityLinkError):
-    """A board is not known, its manifest is wrong, or a design does not go on it (pins, area, clock)."""
+    """A board is unknown, its manifest is wrong, or a design does not fit on it (pins, area, clock)."""
 
 
 class BindingError(UnityLinkError):
-    """A generated file that does not belong to this library version, this spec or this link."""
+    """A generated file does not belong to this version of the library, this spec or this link."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Driver:
-    """One open port, made from a link URL. Only the place and `baud` of it matter here.
+    """One open port, made from a link URL. Only the URL's place and `baud` matter here.
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout, LinkClosed, and LinkError if a permission is
     missing.
@@ -35,14 +35,20 @@ class Driver:
         self._native = _native.open_driver(url, timeout_s)
 
     def send(self, data: bytes, *, timeout_s: float = 1.0) -> None:
-        """Send all of `data`. If the other side does not take it, LinkTimeout says how much was sent."""
+        """Send all of `data`.
+
+        Raises LinkTimeout, which says how much was sent, if the other side does not take all.
+        """
         count = self._native.send(data, timeout_s)
         if count < len(data):
             text = f"{self.url} took {count} of {len(data)} bytes in {timeout_s} s"
             raise LinkTimeout(text, elapsed_s=timeout_s)
 
     def receive(self, *, timeout_s: float = 1.0) -> bytes:
-        """Return what has come, after `timeout_s` at the latest. b"" for nothing, LinkClosed at the end."""
+        """Return what has come, after `timeout_s` at the latest.
+
+        It is b"" if nothing has come. Raises LinkClosed at the end.
+        """
         return self._native.receive(timeout_s)
 
     def close(self) -> None:
@@ -50,7 +56,7 @@ class Driver:
         self._native.close()
 
     def fileno(self) -> int:
-        """Return the descriptor, for select and asyncio. -1 once closed."""
+        """Return the descriptor, for select and asyncio. Return -1 after close()."""
         return self._native.descriptor
 
     def __enter__(self) -> Self:

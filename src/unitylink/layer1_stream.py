@@ -6,8 +6,8 @@ b'$R:12*58\\n'
 >>> ClassicDecoder(data_bytes=4).feed(b"$S_R:40de1212*2d\\n?f4\\n")
 [Reply(head='$', letters='S_R', data=b'@\\xde\\x12\\x12', fields=''), DatalinkError(code=244)]
 
-Hex digits of a device may be upper or lower case. Anything else that is not exactly the protocol gives no
-value.
+Hex digits of a device may be upper or lower case. Anything else that does not follow the protocol exactly
+gives no value.
 """
 
 from __future__ import annotations
@@ -22,7 +22,10 @@ from unitylink.protocol import CRC8_POLYNOMIAL
 
 @dataclass(frozen=True)
 class Reply:
-    """A whole reply with a right checksum, if any. `fields` is the text of a CNF, which has no `data`."""
+    """A whole reply.
+
+    If it has a checksum, it is right. `fields` is the text of a CNF, which has no `data`.
+    """
 
     head: str
     letters: str
@@ -32,7 +35,7 @@ class Reply:
 
 @dataclass(frozen=True)
 class Publish:
-    """A publish. `count` is the number in its label, `words` are those that it really held."""
+    """A publish. `count` is the number in its label. `words` are those that it really held."""
 
     checked: bool
     group: int
@@ -42,7 +45,7 @@ class Publish:
 
 @dataclass(frozen=True)
 class ApplicationError:
-    """The device refused a request (`error` is its E_xxx), perhaps after a part of the reply."""
+    """The device refused a request, perhaps after a part of the reply. `error` is its E_xxx."""
 
     head: str
     letters: str
@@ -59,7 +62,7 @@ class DatalinkError:
 
 @dataclass(frozen=True)
 class BadMessage:
-    """A message that must not be believed: `reason` is "malformed" or "bad_checksum"."""
+    """A message that must not be believed. `reason` is "malformed" or "bad_checksum"."""
 
     head: str
     reason: str
@@ -81,21 +84,30 @@ Event = Union[Reply, Publish, ApplicationError, DatalinkError, BadMessage, Busy,
 
 
 class ClassicEncoder:
-    """Requests to text. `polynomial` is that of the CRC-8. None is the byte XOR of some gateware."""
+    """Converts requests to text.
+
+    `polynomial` is that of the CRC-8. None stands for the byte XOR that some gateware has.
+    """
 
     def __init__(self, *, checked: bool = False, polynomial: int | None = CRC8_POLYNOMIAL) -> None:
         self.checked = checked
         self.polynomial = _byte(polynomial)
 
     def encode(self, command: str, data: bytes = b"") -> bytes:
-        """Return the message of `command` (letters A-Z) with `data`; ValueRangeError for other letters."""
+        """Return the message of `command` (letters A-Z) with `data`.
+
+        Raises ValueRangeError for other letters.
+        """
         if not ((command.isascii() and command.isalpha()) or command == ""):
             raise ValueRangeError(f"a command is made of the letters A to Z, not {command!r}")
         return _native.encode_request(command, data, self.checked, self.polynomial)
 
 
 class ClassicDecoder:
-    """Bytes from a device, in any chunks, to events. `data_bytes`: width of its words, 0: not known yet."""
+    """Converts bytes from a device, in any chunks, to events.
+
+    `data_bytes` is the width of its words, or 0 while it is unknown.
+    """
 
     def __init__(self, *, data_bytes: int = 4, polynomial: int | None = CRC8_POLYNOMIAL) -> None:
         if data_bytes not in range(5):
@@ -103,7 +115,7 @@ class ClassicDecoder:
         self._native = _native.NativeDecoder(data_bytes, _byte(polynomial))
 
     def feed(self, data: bytes) -> list[Event]:
-        """Return the events that `data` completes, together with the bytes before."""
+        """Return the events that are complete with `data`. They may begin in earlier bytes."""
         return [_event(*event) for event in self._native.feed(data)]
 
 

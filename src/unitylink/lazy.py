@@ -9,9 +9,11 @@ from importlib import import_module
 
 
 def load_name(package: str, homes: Mapping[str, str], name: str) -> object:
-    """Import `name` of a package from its module in `homes` and keep it. "" is a module of that name.
+    """Import `name` of a package from its module in `homes` and keep it.
 
-    A package calls it from its `__getattr__`. Raises AttributeError for a name that is not in `homes`.
+    "" stands for a module with the name itself.
+
+    A package calls this from its `__getattr__`. Raises AttributeError for a name that is not in `homes`.
     """
     if name not in homes:
         raise AttributeError(f"module {package!r} has no attribute {name!r}")

@@ -15,7 +15,9 @@ _CHECKOUT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 
 
 def absent(package: str, what: str) -> ToolError:
-    """Return the error that `what` needs `package`, with the command that installs it into this Python.
+    """Return the error that `what` needs `package`.
+
+    It has the command that installs the package into this Python.
 
     >>> print(absent("mcap", "an MCAP file"))  # doctest: +ELLIPSIS
     an MCAP file needs the package mcap: ... -m pip install 'mcap...'...
@@ -30,14 +32,14 @@ def installation(package: str) -> str:
 
 
 def requirement(package: str) -> str:
-    """Return the package with the versions that our extras ask for, or its name alone.
+    """Return the package with the versions that our extras require, or only its name.
 
     >>> requirement("some_other_package")
     'some_other_package'
     """
     try:
         wanted = metadata.requires("unitylink") or []
-    except metadata.PackageNotFoundError:  # only the source, without an installation
+    except metadata.PackageNotFoundError:  # this is only the source, without an installation
         wanted = []
     for line in wanted:
         named = line.partition(";")[0].strip()

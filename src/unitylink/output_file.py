@@ -15,14 +15,14 @@ from unitylink.errors import UnityLinkError
 
 
 def check_output(path: str | Path, *, force: bool = False) -> None:
-    """Raise the UnityLinkError of `create_output` if something is there already. Make nothing.
+    """Raise the UnityLinkError of `create_output` if something is already there. Make nothing.
 
     This is for commands that first measure and then write.
     """
     try:
         there = os.lstat(path)
     except (OSError, ValueError):
-        return  # only making the file shows whether that is possible
+        return  # only the attempt shows whether the file can be made
     if stat.S_ISLNK(there.st_mode):
         try:
             aim = os.stat(path)
@@ -43,8 +43,8 @@ def check_output(path: str | Path, *, force: bool = False) -> None:
 def create_output(path: str | Path, *, force: bool = False) -> int:
     """Make a file and return its descriptor, for writing. An existing pipe or device is opened.
 
-    An existing file is replaced only with `force`, and a symbolic link is not followed. Otherwise it is a
-    UnityLinkError, and so is a place where no file can be made.
+    An existing file is replaced only with `force`, and a symbolic link is not followed. Otherwise it raises
+    UnityLinkError. So does a place where no file can be made.
 
     >>> import tempfile
     >>> path = tempfile.mkdtemp() + "/arm.csv"
@@ -79,9 +79,9 @@ def write_output(path: str | Path, data: bytes, *, force: bool = False) -> None:
 
 
 def replace_file(path: str | Path, data: str | bytes) -> None:
-    """Write a file so that a reader, also after a crash, has either the old one or the new one.
+    """Write a file. A reader finds either the old one or the new one whole, also after a crash.
 
-    A file that is there keeps its permissions, and a symbolic link stays one. Raises OSError.
+    An existing file keeps its permissions, and a symbolic link stays one. Raises OSError.
 
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp()) / "arm.ul"
@@ -111,5 +111,5 @@ def _permissions(path: Path) -> int:
 
 
 def _a_stream(there: os.stat_result) -> bool:
-    """Return whether it keeps nothing: a pipe, a terminal, /dev/null."""
+    """Return whether it is a stream that keeps nothing: a pipe, a terminal, /dev/null."""
     return stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode) or stat.S_ISSOCK(there.st_mode)

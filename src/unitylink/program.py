@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a program of this project ends: at errors, signals and closed pipes, without a traceback."""
+"""How a program of this project ends: after errors, signals and closed pipes, without a traceback."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ PIPE_CLOSED = 141
 def run_program(main: Callable[[], int], *, name: str) -> NoReturn:
     """Run `main` and exit with the code that it returns.
 
-    An error of ours, or of a file, is one line on stderr that begins with `name`, and exit code 1. Ctrl-C
-    gives 130. If the reader of stdout went away (`run.py | head`), it is 141.
+    An error of ours, or of a file, becomes one line on stderr that begins with `name`. The exit code is then
+    1. Ctrl-C gives 130. If the reader of stdout goes away (`run.py | head`), it is 141.
 
         if __name__ == "__main__":
             run_program(main, name="scara")
@@ -42,7 +42,7 @@ def run_program(main: Callable[[], int], *, name: str) -> NoReturn:
 
 
 def silence_stdout() -> None:
-    """Keep the interpreter's flush at exit from failing on the same pipe again."""
+    """Prevent the interpreter's flush at exit from failing on the same pipe again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -53,15 +53,17 @@ def _complain(name: str, message: str) -> int:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM, and SIGINT in the background too, act like Ctrl-C: the program ends with its link
-    closed."""
+    """Let SIGTERM act like Ctrl-C, and in the background SIGINT too.
+
+    So the program ends with its link closed.
+    """
     with _heard_by(signal.default_int_handler):
         yield
 
 
 @contextmanager
 def stopped_by_signals() -> Iterator[threading.Event]:
-    """Give an event that SIGINT and SIGTERM set. They do nothing else."""
+    """Yield an event that SIGINT and SIGTERM set. These signals then do nothing else."""
     stop = threading.Event()
     with _heard_by(lambda *_: stop.set()):
         yield stop
@@ -69,7 +71,10 @@ def stopped_by_signals() -> Iterator[threading.Event]:
 
 @contextmanager
 def _heard_by(handler: Callable[..., Any]) -> Iterator[None]:
-    """Handlers belong to the process. At the end the caller, a program or a test, has its own again."""
+    """Handlers belong to the process.
+
+    At the end, the caller's own handlers are restored. It may be a program or a test.
+    """
     before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the gateware's VHDL and the examples are, in a checkout or in a wheel."""
+"""The places of the gateware's VHDL and of the examples, in a checkout or in a wheel."""
 
 from __future__ import annotations
 

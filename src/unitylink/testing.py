@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A pytest fixture for robots: `unitylink_sim`, there as soon as Unity-Link is installed.
+"""A pytest fixture for robots: `unitylink_sim`. It exists as soon as Unity-Link is installed.
 
     def test_the_arm_moves(unitylink_sim):
         arm = unitylink_sim("arm.ul", plant="loopback")
@@ -38,7 +38,7 @@ class Simulated:
 
     @property
     def registers(self) -> Registers:
-        """The registers from the FPGA's side: set what sensors say, get what was written."""
+        """The registers from the FPGA's side. Set what sensors measure, and get what was written."""
         return self.board.registers
 
 
@@ -46,9 +46,10 @@ class Simulated:
 def unitylink_sim(request: pytest.FixtureRequest) -> Iterator[Callable[..., Simulated]]:
     """Make robots on virtual boards: `unitylink_sim(SPEC, plant=None, options="", **generics)`.
 
-    SPEC is a file, looked for beside the test and then in the working folder. `plant` is the name of a plant,
-    a file, or an object with `attach` and `step`. `options` are those of a link URL ("crc=1"). `generics` are
-    those of `BoardConfiguration`, such as `data_bits=16`. Everything is closed when the test ends.
+    SPEC is a file. It is looked for beside the test, and then in the working folder. `plant` is the name of a
+    plant, a file, or an object with `attach` and `step`. `options` are those of a link URL ("crc=1").
+    `generics` are those of `BoardConfiguration`, such as `data_bits=16`. Everything is closed when the test
+    ends.
     """
     with ExitStack() as stack:
 

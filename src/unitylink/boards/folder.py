@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The folder that a design is built in."""
+"""The folder in which a design is built."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from unitylink.errors import BoardError
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder, or take one that is there: BoardError where a symbolic link in it leads elsewhere.
+    """Make the folder, or take an existing one. Raises BoardError if a symbolic link in it leads elsewhere.
 
-    The folder itself may be one. The programs that build there follow links, so none may wait for them.
+    The folder itself may be a link. The programs that build there follow links, so there must be none in
+    their way.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -6,11 +6,11 @@ from __future__ import annotations
 from unitylink.errors import BoardError
 from unitylink.spec.model import Spec
 
-CLOCKS_A_BIT = 8  # of the UART's receiver
+CLOCKS_A_BIT = 8  # the fewest for the UART's receiver
 
 
 def told_baud_hz(spec: Spec) -> int | None:
-    """Return the baud rate that the links of the spec tell, where they tell one."""
+    """Return the baud rate in the links of the spec, or None if they have none."""
     told = {device.link.baud_hz for device in spec.devices} - {None}
     return told.pop() if len(told) == 1 else None
 

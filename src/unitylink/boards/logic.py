@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The logic that is built: the user's around the generated design, or one made here to put words on pins."""
+"""The logic to build: the user's around the generated design, or one made here that puts words on pins."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Logic:
 
     top: str
     sources: tuple[Path, ...]
-    generics: frozenset[str]  # of clock_hz and baud_hz, those it has
+    generics: frozenset[str]  # clock_hz and baud_hz, if it has them
     components: dict[str, str] = field(default_factory=dict)  # port -> component of the gateware library
     notices: tuple[str, ...] = ()
     whence: str = ""  # a sentence for the terminal
@@ -50,11 +50,11 @@ def design_sources(spec: Spec, folder: Path) -> list[Path]:
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """The order of a user: a spec, VHDL of their own (`logic`, with the entity `top`) and wishes for pins.
+    """A user's request: a spec, VHDL of their own (`logic`, with the entity `top`) and pins for ports.
 
     `root` is the public constructor or the link of the board, if the spec has several. `protocol` is that of
-    the link: "both", "framed" or "classic". None: that of the board's manifest. `settings` are fields of the
-    board configuration that differ from those of the spec.
+    the link: "both", "framed" or "classic". With None it is that of the board's manifest. `settings` are
+    fields of the board configuration that differ from those of the spec.
     """
 
     spec_file: str
@@ -68,9 +68,9 @@ class Wanted:
 
 
 def spec_of(wanted: Wanted) -> Spec:
-    """Return the spec of the board that is wanted.
+    """Return the spec of the requested board.
 
-    Raises SpecError, BoardError where there is no such `root`, ValueRangeError where one has to be chosen.
+    Raises SpecError, BoardError if `root` does not exist, and ValueRangeError if it must be chosen.
     """
     spec = load(wanted.spec_file)
     try:
@@ -84,9 +84,9 @@ def spec_of(wanted: Wanted) -> Spec:
 def logic_of(plan: SpecPlan, wanted: Wanted, *, pin_for_trips: bool = False) -> Logic:
     """Return the logic to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
 
-    If the link is not a UART, a NAME_board.vhd that names none of the link's ports is for other boards. Logic
-    made here has the port `tripped` if a pin is wished for it, or if the board has one (`pin_for_trips`).
-    Raises BoardError, also where the gateware has nothing that trips.
+    A NAME_board.vhd is for other boards if the link is not a UART and the file names none of the link's
+    ports. Logic made here has the port `tripped` if a pin is requested for it, or if the board has one
+    (`pin_for_trips`). Raises BoardError, also if `tripped` is requested and the gateware has no dead-man.
     """
     (design,) = plan.part(plan_designs)
     configuration = design.configuration
@@ -121,7 +121,7 @@ def logic_of(plan: SpecPlan, wanted: Wanted, *, pin_for_trips: bool = False) -> 
 
 @dataclass(frozen=True)
 class WordPort:
-    """A word on pins: the port, its VHDL type, and the field it is."""
+    """A word on pins: the port, its VHDL type, and the field that it shows."""
 
     name: str
     type: Vhdl
@@ -147,7 +147,7 @@ class WordPort:
 
 
 def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> Logic:
-    """Return the user's entity: `top`, or the only one of the first file. Raises BoardError."""
+    """Return the user's entity: `top`, or the only entity of the first file. Raises BoardError."""
     for file in files:
         if not file.is_file():
             raise BoardError(f"{file}: there is no such VHDL file")
@@ -174,11 +174,14 @@ def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> 
 
 
 def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: Path) -> Logic:
-    """Write into `path` an entity that puts the words on pins whose name tells one or is `wished`. Return it.
+    """Write into `path` an entity that puts words on pins: those whose name tells a pin, and those in
+    `wished`.
 
-    `tripped` is a port of it if that is wished.
+    Return it.
 
-    Words without a pin are there for the PC: a WRITE reads back, a READ is 0, which a notice says.
+    If it is in `wished`, `tripped` is a port of this entity.
+
+    Words without a pin are for the PC: a WRITE reads back, and a READ is 0. A notice says so.
     """
     names = Names((*_PORTS, *(item.name for item in design.layer.ports)))
     for port in components:
@@ -214,7 +217,7 @@ def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: 
 
 
 def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list[WordPort], list[Leaf]]:
-    """Divide the leaves into those that go to pins and the others."""
+    """Divide the leaves into those on pins and the others."""
     ports, others = [], []
     for leaf in leaves:
         plain = Names(_PORTS).claim(leaf.path)

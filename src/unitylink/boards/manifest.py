@@ -28,7 +28,7 @@ PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # physical layers that 
 CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # clock of an FTDI chip in synchronous mode
 # The roles of a pin: a port whose name has one of these words gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io", "tripped")
-_NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
+_NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end, because such names are the wrapper's
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,15 @@ class Pin:
     site: str
     active_low: bool = False
     pull: str = "up"  # pull of an input: "up", "down" or "none"
-    io: str = ""  # the input-output standard, where the family has them
+    io: str = ""  # the input-output standard, for families that have several
 
 
 @dataclass(frozen=True)
 class Board:
-    """What a manifest says. `roles` maps a role to its pins, in the order in which they are given out."""
+    """The contents of a manifest.
+
+    `roles` maps a role to its pins, in the order in which they are assigned.
+    """
 
     name: str
     reference: str  # the argument with which load_board() finds it from any folder
@@ -58,37 +61,38 @@ class Board:
     clock_pin: str
     clock_hz: int  # frequency of the oscillator
     design_hz: int  # the default clock of the design
-    pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
+    pll: str  # iCE40: "pad" if the clock's pin feeds the PLL directly, else "core"
     protocol: str  # the default protocol: "classic", "framed" or "both"
     physical: str  # the physical layer of the link
-    rx: str  # this and the next three are of a UART; "" without one
+    rx: str  # this and the next three belong to a UART; "" without one
     tx: str
     baud_hz: int  # the default baud rate
     baud_hz_most: int
-    link_pins: Mapping[str, tuple[str, ...]]  # another physical layer than a UART: port -> pins
-    released: tuple[str, ...]  # pins that are never driven, and pulled as the manifest says: a chip's reset
-    send_immediate: str  # of an FT245, as in physical_pkg.vhd
+    link_pins: Mapping[str, tuple[str, ...]]  # for another physical layer than a UART: port -> pins
+    # pins that are never driven, but pulled as the manifest says, such as a chip's reset
+    released: tuple[str, ...]
+    send_immediate: str  # for an FT245, as in physical_pkg.vhd
     flash: Mapping[str, tuple[str, ...]]  # program -> its options, the preferred one first
     pins: Mapping[str, Pin]
     roles: Mapping[str, tuple[str, ...]]
 
     @property
     def link_clock(self) -> str | None:
-        """The pin on which the link's chip gives a clock of CHIP_CLOCK_HZ, if it does."""
+        """The pin on which the link's chip gives a clock of CHIP_CLOCK_HZ, or None."""
         return self.link_pins[CHIP_CLOCK][0] if self.physical == "ft245_sync" else None
 
     @property
     def fixed_pins(self) -> tuple[tuple[str, bool], ...]:
-        """The pins that are given away before all others, and whether each is an input."""
+        """The pins that are assigned before all others, and whether each is an input."""
         line = ((self.rx, True), (self.tx, False)) if self.physical == "uart" else ()
         return ((self.clock_pin, True), *line)
 
     def configuration(
         self, spec: Spec, protocol: str | None = None, settings: Mapping[str, Any] | None = None
     ) -> BoardConfiguration:
-        """Return the gateware that `spec` asks for, on this board's link, changed by `settings`.
+        """Return the gateware that `spec` needs, on this board's link, changed by `settings`.
 
-        Raises BoardError for another link.
+        Raises BoardError if the spec names another kind of link.
         """
         told = told_physical(spec)
         if told is not None and told != self.physical:
@@ -110,7 +114,7 @@ class Board:
 
 
 def board_names() -> list[str]:
-    """Return the boards that come along, a variant as `ulx3s:25f`.
+    """Return the boards of this package. A variant has the form `ulx3s:25f`.
 
     >>> "icebreaker" in board_names(), "ulx3s:85f" in board_names()
     (True, True)
@@ -123,13 +127,13 @@ def board_names() -> list[str]:
 
 
 def load_board(name: str) -> Board:
-    """Return the board called `name`, or that of a folder with a board.toml of your own.
+    """Return the board called `name`, or the board of a folder with your own board.toml.
 
         load_board("icebreaker")
         load_board("ulx3s:25f")
         load_board("./my_board")
 
-    Raises BoardError: there is no such board, or its manifest is wrong.
+    Raises BoardError if the board does not exist or its manifest is wrong.
     """
     place, _, variant = name.partition(":")
     own = Path(place)
@@ -285,7 +289,7 @@ def _toml(path: Path) -> dict[str, Any]:
 
 
 def _meant(name: str, among: Iterable[str], prefix: str = "") -> str:
-    """Say which one was probably meant, or which there are."""
+    """Return a remedy: the name that was probably meant, or all names."""
     near = nearest(name, among)
     return (
         f"did you mean {prefix}{near}?" if near else f"there are: {', '.join(prefix + one for one in among)}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The memories of a netlist and the block RAMs that they take, known before anything is mapped on a chip."""
+"""The memories of a netlist and the block RAMs that they need, before anything is mapped on a chip."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-# Bits and words of an iCE40's block RAM (Lattice, "Memory Usage Guide for iCE40 Devices"), and how many
-# a chip has ("iCE40 LP/HX Family Data Sheet", "iCE40 UltraPlus Family Data Sheet").
+# Bits and words of an iCE40's block RAM are from Lattice, "Memory Usage Guide for iCE40 Devices". The number
+# in each chip is from "iCE40 LP/HX Family Data Sheet" and "iCE40 UltraPlus Family Data Sheet".
 _SHAPES = ((16, 256), (8, 512), (4, 1024), (2, 2048))
 BLOCK_RAMS: Mapping[str, int] = MappingProxyType(
     {"lp384": 0, "lp1k": 16, "hx1k": 16, "lp8k": 32, "hx8k": 32, "up5k": 30}
@@ -19,7 +19,7 @@ _MODULE = re.compile(r"^module (\w+)", re.MULTILINE)
 _ARRAY = re.compile(r"^\s*reg \[(\d+):0\] (\w+)\s*\[(\d+):0\]", re.MULTILINE)
 _READ_AT_ONCE = re.compile(r"^\s*assign (\w+) = (\w+)\[\w+\];", re.MULTILINE)
 _WRITTEN = re.compile(r"^\s*(\w+)\[\w+\] <= ", re.MULTILINE)
-_GENERICS = re.compile(r"(_\d+)*(_[0-9a-f]{40})?$")  # what GHDL puts behind the name of an entity
+_GENERICS = re.compile(r"(_\d+)*(_[0-9a-f]{40})?$")  # GHDL appends this to the name of an entity
 _INSTANCE = re.compile(r"^\s+(\w+) \w+ \($", re.MULTILINE)
 
 
@@ -34,7 +34,7 @@ class Memory:
 
     @property
     def block_rams(self) -> int:
-        """Return how many of an iCE40 they take."""
+        """Return how many block RAMs of an iCE40 they take."""
         return self.count * min(-(-self.bits // wide) * -(-self.words // deep) for wide, deep in _SHAPES)
 
     def __str__(self) -> str:
@@ -57,7 +57,7 @@ def memories_of(netlist: str, top: str) -> list[Memory]:
         head = _MODULE.search(text)
         if head is None:
             continue
-        # A table that no write reaches, and whose words go into no register, becomes logic.
+        # A table becomes logic if nothing writes to it and its words go into no register.
         written = set(_WRITTEN.findall(text))
         tables = {
             name
@@ -83,9 +83,9 @@ def memories_of(netlist: str, top: str) -> list[Memory]:
 
 
 def shortage(memories: Iterable[Memory], device: str) -> Sequence[str]:
-    """Return what takes the block RAMs, a line each, if the chip has too few of them, else nothing.
+    """If the chip has too few block RAMs, return what uses them, one line each. Otherwise return nothing.
 
-    A chip that is not in BLOCK_RAMS is not judged here.
+    A chip that is not in BLOCK_RAMS is never refused here.
     """
     told = list(memories)
     there = BLOCK_RAMS.get(device)

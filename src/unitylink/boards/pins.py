@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pin of the board for each port of the design: as the user says, or else by the port's name."""
+"""The pin of the board for each port of the design: chosen by the user, or else by the port's name."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ CLOCKS = ("clock", "clk")
 RESETS = ("reset", "rst")
 RECEIVES = ("rx_line", "usb_rx", "rx", "uart_rx")
 TRANSMITS = ("tx_line", "usb_tx", "tx", "uart_tx")
-TRIPPED = "tripped"  # of the dead-man: both a port and the role of its pin
-OPEN = "-"  # instead of a pin: none, and that is meant
-_SITE = "site:"  # before a pin of the chip that the manifest does not name
+TRIPPED = "tripped"  # the dead-man's output: the name of the port and of its pin's role
+OPEN = "-"  # in place of a pin: the line stays open on purpose
+_SITE = "site:"  # stands before a pin of the chip that the manifest does not name
 # A word of a port's name -> the role of its pins. With or without an s at the end.
 _WORDS = {
     **dict.fromkeys(("led", "lamp", "light"), "leds"),
@@ -33,7 +33,7 @@ _WISH = re.compile(r"(\w+)(?:\[(\d+)\])?=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Line:
-    """One name at pins: a port, or the three (name_in, name_out, name_drive) of a two-way one."""
+    """A name at pins: one port, or the three ports (name_in, name_out, name_drive) of a two-way pin."""
 
     name: str
     direction: str  # "in", "out", "both"
@@ -108,11 +108,10 @@ def wished_names(wishes: Sequence[str]) -> set[str]:
 def assign_pins(
     board: Board, lines: Sequence[Line], wishes: Sequence[str], components: Mapping[str, str] | None = None
 ) -> Pinout:
-    """Give each line its pins: first what `wishes` say ("servos=P1A1,P1A2", "servos[1]=P1B1", "lamp=-").
+    """Give each line its pins. First come the `wishes` ("servos=P1A1,P1A2", "servos[1]=P1B1", "lamp=-").
 
-    `components` maps a line to the component of the gateware library that it belongs to. Raises BoardError
-    for a pin that the board does not have or that two want, for a line that does not exist, and for one whose
-    name tells no pin.
+    `components` maps a line to its component of the gateware library. Raises BoardError if the board does not
+    have a pin, if two lines want the same one, if a line does not exist, or if its name tells no pin.
     """
     names = {line.name: line for line in lines}
     pinout = Pinout(tuple(lines), {line.name: [None] * line.bits for line in lines})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The clock of the design from the clock of the board: the dividers of a PLL.
+"""Compute the dividers of a PLL that makes the design's clock from the board's clock.
 
-The limits are those of Lattice's data sheets: iCE40 (TN1251) phase detector 10 to 133 MHz, oscillator 533 to
-1066 MHz; ECP5 (FPGA-TN-02200) phase detector from 3.125 MHz (we stay above 10), oscillator 400 to 800 MHz.
+The limits are from Lattice's data sheets. iCE40 (TN1251): phase detector 10 to 133 MHz, oscillator 533 to
+1066 MHz. ECP5 (FPGA-TN-02200): phase detector from 3.125 MHz (we stay above 10), oscillator 400 to 800 MHz.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 from unitylink.errors import BoardError
 
-_TOLERANCE = 0.005  # of the asked frequency; a UART bears 2 %
+_TOLERANCE = 0.005  # share of the requested frequency; a UART tolerates 2 %
 
 
 @dataclass(frozen=True)
 class Pll:
-    """An instance of a PLL: the frequency it really gives, and the Verilog of it."""
+    """An instance of a PLL: the frequency that it really gives, and its Verilog."""
 
     hz: float
     parameters: tuple[tuple[str, str], ...]
@@ -29,7 +29,7 @@ def pll_of(family: str, in_hz: int, out_hz: int) -> Pll:
     >>> round(pll_of("ice40", 12_000_000, 48_000_000).hz)
     48000000
 
-    Raises BoardError, which names the nearest frequency that can be had.
+    Raises BoardError, which names the nearest possible frequency.
     """
     found = list((_ice40 if family == "ice40" else _ecp5)(in_hz, out_hz))
     best = min(found, key=lambda pll: abs(pll.hz - out_hz), default=None)

@@ -17,7 +17,7 @@ NAME = "report"
 
 @dataclass(frozen=True)
 class Area:
-    """How many of a kind of cells the design takes, and how many the chip has."""
+    """The design takes `used` cells of one kind, and the chip has `available` of them."""
 
     what: str
     used: int
@@ -79,7 +79,7 @@ class Report:
 
 
 def budget_of(one: DeviceBudget) -> dict[str, Any]:
-    """Return the part of a budget for a report."""
+    """Return the part of a budget that a report shows."""
     groups = [
         {
             "name": g.name,
@@ -103,7 +103,7 @@ def budget_of(one: DeviceBudget) -> dict[str, Any]:
 
 
 def forget(folder: Path, bitstream: str) -> None:
-    """Remove the results of an earlier build: after a failure there must be nothing to flash."""
+    """Remove the results of an earlier build, so that after a failure nothing is there to flash."""
     for name in (f"{NAME}.json", f"{NAME}.txt", bitstream):
         (folder / name).unlink(missing_ok=True)
 

@@ -21,15 +21,15 @@ from .pin_timing import pin_constraints
 from .pins import CLOCKS
 from .two_way import pin_ports, with_pins
 
-BAUD_HZ = 1_000_000  # where neither the spec nor the user tells one
+BAUD_HZ = 1_000_000  # used if neither the spec nor the user gives one
 
 
 @dataclass(frozen=True, kw_only=True)
 class VendorOrder(Wanted):
     """A project to write for the tool `vendor`, "vivado" or "quartus".
 
-    `pins` are PORT=SITE or PORT[3]=SITE, with sites of the chip. The user fills in the others. `clock_hz` is
-    that of the clock's pin.
+    `pins` has the form PORT=SITE or PORT[3]=SITE, with sites of the chip. The user fills in all others.
+    `clock_hz` is the frequency at the clock's pin.
     """
 
     vendor: str
@@ -40,7 +40,7 @@ class VendorOrder(Wanted):
 
 @dataclass(frozen=True)
 class Project:
-    """What the scripts tell."""
+    """What the scripts need to know."""
 
     name: str
     top: str
@@ -57,7 +57,7 @@ class Project:
 
 
 def write_project(order: VendorOrder) -> list[Path]:
-    """Write the generated VHDL, the project script and the constraints. Return the last two.
+    """Write the generated VHDL, the project script and the constraints. Return the files of the last two.
 
     Raises BoardError for an unknown vendor or port.
     """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The top module of a bitstream, in Verilog around the netlist (PLL, polarity, two-way pins); constraints.
+"""The top module of a bitstream: Verilog around the netlist (PLL, polarity, two-way pins), and constraints.
 
-It is the only place with cells of a vendor, and no file of the user's: a simulation never sees it.
+Only here are there cells of a vendor. No file of the user's has them, and no simulation sees them.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ from .pins import CLOCKS, RECEIVES, RESETS, TRANSMITS, Line, Pinout
 from .pll import Pll
 
 NAME = "unitylink_board"
-# For so long after configuration and the PLL's lock, the design is held in reset. The block RAMs of an iCE40
-# read zeros at first (github.com/YosysHQ/icestorm/issues/76), and the programs of the core are in them.
+# After the configuration and the PLL's lock, the design is held in reset for so long. The block RAMs of an
+# iCE40 read zeros at first (github.com/YosysHQ/icestorm/issues/76), and the core's programs are in them.
 RESET_S = 15e-6
 
 
 def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: Pll | None) -> str:
-    """Return the module `unitylink_board`, whose ports are called as the board's pins. Raises BoardError."""
+    """Return the module `unitylink_board`.
+
+    Its ports have the names of the board's pins. Raises BoardError.
+    """
     known = {port.name for port in ports}
     clock = _one_of(known, CLOCKS, top, "clock")
     heads = [f"  {'input' if is_input else 'output'} {pin}" for pin, is_input in board.fixed_pins]
@@ -63,7 +66,7 @@ def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: 
 
 
 def has_reset(ports: Sequence[Port]) -> bool:
-    """Say whether the design can be held in reset until clock and block RAMs are ready."""
+    """Tell whether the design can be held in reset until clock and block RAMs are ready."""
     return any(port.name in RESETS for port in ports)
 
 
@@ -78,7 +81,7 @@ def constraints(board: Board, pinout: Pinout) -> str:
     for pin, is_input in pins:
         pull = pin.pull if is_input else "none"
         if board.family == "ice40":
-            # A two-way pin is a cell of its own, which has its pull-up as a parameter.
+            # A two-way pin is a cell of its own, and its pull-up is a parameter of this cell.
             lines.append(f"set_io{' -pullup yes' if pull == 'up' else ''} {pin.name} {pin.site}")
         else:
             lines.append(f'LOCATE COMP "{pin.name}" SITE "{pin.site}";')
@@ -118,8 +121,9 @@ def _clock(board: Board, pll: Pll | None) -> list[str]:
 
 
 def _reset(clock_hz: float) -> list[str]:
-    """Return a counter that starts at zero with the configuration, and again if the PLL loses its lock."""
-    bits = math.ceil(clock_hz * RESET_S).bit_length()  # its highest bit comes a little later
+    """Return a counter. It starts at zero after the configuration, and again if the PLL loses its lock."""
+    # it counts until its highest bit is set, which is a little later
+    bits = math.ceil(clock_hz * RESET_S).bit_length()
     return [
         "  reg [1:0] steady_ = 0;",  # the lock is not synchronous to the clock
         f"  reg [{bits}:0] waited_ = 0;",
@@ -160,7 +164,7 @@ def _line(board: Board, line: Line, pins: Sequence[Pin | None]) -> tuple[list[st
 
 
 def _two_way(board: Board, pin: Pin, value: str, drive: str, read: str) -> str:
-    """Return the family's cell of a pin that `value` is driven on while `drive` is high."""
+    """Return the family's cell of a pin. It drives `value` while `drive` is high."""
     if board.family == "ice40":
         pull = f", .PULLUP(1'b{int(pin.pull == 'up')})"
         wired = f".PACKAGE_PIN({pin.name}), .OUTPUT_ENABLE({drive}), .D_OUT_0({value}), .D_IN_0({read})"

@@ -108,7 +108,7 @@ class FrameReader:
         return "in order: " if kind & p.FRAME_CHAINED_BIT else ""
 
     def _asked(self, operation: int, fields: _Fields) -> tuple[str, tuple[tuple[str, int], ...]]:
-        """Return the meaning, and the words its reply will bring, each as (name, address)."""
+        """Return the meaning of a request, and the words of its reply, each as (name, address)."""
         if operation == p.REQUEST_KIND_READ:
             address = self._address(fields)
             return f"read {self._name(address)}", ((self._name(address), address),)
@@ -282,11 +282,11 @@ class FrameReader:
 
 
 class _CutError(Exception):
-    """A payload without the form of its kind."""
+    """A payload does not have the form of its kind."""
 
 
 class _Fields:
-    """A payload, from its front."""
+    """Takes fields from the front of a payload."""
 
     def __init__(self, payload: bytes) -> None:
         self._payload = payload
@@ -332,7 +332,7 @@ _CRC16, _CRC32 = _table(p.FRAME_CRC16_POLYNOMIAL), _table(p.FRAME_CRC32_POLYNOMI
 
 
 def check_bytes(body: bytes, epoch: int, long: bool) -> bytes:
-    """Return the check of kind and COBS bytes: seven bits a byte, the low ones first.
+    """Return the check of kind and COBS bytes: seven bits in each byte, the low ones first.
 
     >>> check_bytes(bytes.fromhex("80030101"), 0xFFFF, False).hex()
     'fa9283'
@@ -357,7 +357,7 @@ def _cobs_decoded(encoded: bytes) -> bytes | None:
 
 
 def _shortened(parts: list[str]) -> str:
-    """Join, and omit the middle of very many."""
+    """Join the parts. If there are very many, leave out the middle."""
     if len(parts) > 40:
         parts = [*parts[:20], f"… {len(parts) - 21} more …", parts[-1]]
     return ", ".join(parts)

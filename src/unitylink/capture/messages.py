@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Packets to messages, each with its meaning: lines of the classic protocol, and frames.
 
-Lines of the host are read as text, those of the device by the decoder of layer 1. The order of requests tells
-which one a reply answers. The last WSA of a group tells the contents of its publishes. The protocol itself
-says neither.
+The host's lines are read as text. The decoder of layer 1 reads the device's lines. The order of requests
+tells which one a reply answers. The last WSA of a group tells the contents of its publishes. The bytes of a
+reply or a publish do not tell this.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from .pcapng import RECEIVED, SENT, Packet
 
 _REQUEST = re.compile(rb"(!?)([#$])([A-Za-z]*)(?::([0-9A-Fa-f]*))?(?:\*([0-9A-Fa-f]{2}))?$")
 _IGNORED = bytes.maketrans(b"", b""), b"\t ,.\r"
-# After a border or a line feed the next byte decides (docs/protocol.md, section 1).
+# After a border or a line feed, the next byte decides (docs/protocol.md, section 1).
 _PIECE = re.compile(rb"\x00*(?:[\x80-\xff][^\x00]*\x00|[^\x00\x80-\xff][^\n\x00]*[\n\x00]|\n)", re.DOTALL)
 _OUT_OF_ORDER_MOST = 16
 _KINDS_FIRST = 0x80  # of frames
@@ -55,7 +55,7 @@ class CaptureMessage:
 
     @property
     def text(self) -> str:
-        """The bytes, printable: `$R:12*58`. For a frame its kind and id: `READ 7`, `OK 7`."""
+        """The bytes in printable form: `$R:12*58`. For a frame its kind and id: `READ 7`, `OK 7`."""
         if self.label:
             return self.label
         return self.data.rstrip(b"\r\n").decode("ascii", "backslashreplace").replace("\x1b", "\\x1b")
@@ -71,8 +71,8 @@ class _Request:
 def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> Iterator[CaptureMessage]:
     """Yield the messages in `packets`, as `reader` understands them.
 
-    The device tells the widths in its CNF. If the capture has none, give them to the reader. Otherwise
-    addresses are not decoded.
+    The device tells the widths in its CNF. If the capture has no CNF, give the widths to the reader.
+    Otherwise addresses are not decoded.
     """
     reader = reader or MessageReader()
     sides = {SENT: Pieces(), RECEIVED: Pieces()}
@@ -88,7 +88,8 @@ def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> 
 
 
 class Pieces:
-    """Cuts one direction of a link into lines, with their line feed, and frames, with the border behind them.
+    """Cuts one direction of a link into lines, each with its line feed, and frames, each with its closing
+    border.
 
     Borders before a piece belong to it, so that no byte is left out.
 
@@ -100,7 +101,7 @@ class Pieces:
         self.rest = b""
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Return the pieces that `data` completes, together with the bytes before."""
+        """Return the pieces that are complete with `data`. They may begin in earlier bytes."""
         self.rest += data
         pieces = []
         while match := _PIECE.match(self.rest):
@@ -110,7 +111,7 @@ class Pieces:
 
 
 def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
-    """Sort by time within a few packets, because the sending and the receiving thread write independently."""
+    """Sort by time within a few packets. The sending and the receiving thread write independently."""
     heap: list[tuple[float, int, Packet]] = []
     for number, packet in enumerate(packets):
         heapq.heappush(heap, (packet.time_s, number, packet))
@@ -157,7 +158,7 @@ class MessageReader:
         kind, meaning = self._request(line) if direction == SENT else self._answer(line)
         return CaptureMessage(time_s, direction, line, kind, meaning)
 
-    # ---- what the PC says
+    # ---- messages of the PC
 
     def _request(self, line: bytes) -> tuple[str, str]:
         match = _REQUEST.match(line.lstrip(b"\0")[:-1].translate(*_IGNORED))
@@ -202,7 +203,7 @@ class MessageReader:
             return f"group {data[0]} is " + (", ".join(map(self._name, addresses)) or "empty")
         return f"{command}: unknown or not complete" if command else "empty message"
 
-    # ---- what the device says
+    # ---- messages of the device
 
     def _answer(self, line: bytes) -> tuple[str, str]:
         decoder = ClassicDecoder(data_bytes=self.data_bytes or 0, polynomial=self.polynomial)
@@ -291,7 +292,7 @@ _PLAIN_REQUESTS = {
 }
 
 
-_RATE_BYTES_MOST = 1 + 4  # the group, and its rate
+_RATE_BYTES_MOST = 1 + 4  # the group and its rate
 
 
 def _hex_word(address: int, word: int) -> str:

@@ -34,8 +34,10 @@ _CHUNK_BYTES = 1 << 16
 
 @dataclass(frozen=True)
 class Packet:
-    """Bytes that went over the wire together. `time_s` counts from 1970; `direction` is "sent" (by the PC)
-    or "received"."""
+    """Bytes that went over the wire together.
+
+    `time_s` counts from 1970. `direction` is "sent" (by the PC) or "received".
+    """
 
     time_s: float
     direction: str
@@ -44,14 +46,14 @@ class Packet:
 
 
 class CaptureTruncated(UnityLinkError):
-    """A capture that ends within a packet. All packets before it have been returned."""
+    """The capture ends within a packet. All packets before it have been returned."""
 
 
 def read_packets(path: str | Path) -> Iterator[Packet]:
     """Yield the packets of a capture in their order.
 
-    Raises UnityLinkError, with the byte, if the file is not a capture of a link. Raises CaptureTruncated at
-    the end of one that was cut off.
+    Raises UnityLinkError, which names the byte, if the file is not a capture of a link. Raises
+    CaptureTruncated at the end of a capture that was cut off.
     """
     try:
         with open(path, "rb") as stream:
@@ -62,7 +64,7 @@ def read_packets(path: str | Path) -> Iterator[Packet]:
 
 def _packets(stream: BinaryIO, name: str) -> Iterator[Packet]:
     order = ""
-    ticks_per_s: list[float] = []  # of each interface
+    ticks_per_s: list[float] = []  # one for each interface
     offset = 0
     while head := stream.read(8):
         if len(head) < 8:
@@ -137,7 +139,8 @@ class PcapngWriter:
         with PcapngWriter("out.pcapng") as writer:
             writer.write(Packet(time_s=0.0, direction="sent", data=b"#RLC\\n"))
 
-    Raises UnityLinkError if the file exists or cannot be written. What it holds until then is whole.
+    Raises UnityLinkError if the file exists or cannot be written. If it ends early, the file is valid up to
+    there.
     """
 
     def __init__(self, path: str | Path, *, force: bool = False) -> None:

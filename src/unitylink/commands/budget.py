@@ -52,7 +52,7 @@ def command(
     read_many: int | None,
     as_json: bool,
 ) -> int:
-    """Show the cost of the publishes of SPEC: bytes, load, the highest rates, how late each can come.
+    """Show the cost of the publishes of SPEC: bytes, load, highest rates, worst delays.
 
     The exit code is 1 if the line (--baud, or the BAUD of the link) cannot carry them.
 

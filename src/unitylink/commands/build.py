@@ -76,7 +76,7 @@ def command(
     """Build a bitstream from SPEC with GHDL, yosys and nextpnr, and a report of area, clock and link.
 
     NAME_board.vhd beside the spec is the logic around the link. Without it, and without --logic, words and
-    components go to pins by their names (led, buttons, servo, encoder ...), or by --pin.
+    components go to pins by --pin, or by their names (led, buttons, servo, encoder ...).
 
     \b
     Examples:

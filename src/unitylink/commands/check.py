@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 @click.option("--fix", is_flag=True, help="Make the fixes that diagnostics offer, and show them.")
 @click.option("--diff", is_flag=True, help="Show what --fix would change, and change nothing.")
 def command(specs: tuple[str, ...], as_json: bool, as_sarif: bool, fix: bool, diff: bool) -> int:
-    """Check specs and report every mistake with its place and what to do about it.
+    """Check specs. Report every mistake with its place and remedy.
 
     SPEC is a file, or - for standard input. The exit code is 0 without errors (warnings are allowed), 1 with
-    errors. A fix is made only if it leaves fewer mistakes. The report is about the remaining ones.
+    errors. A fix is made only if fewer mistakes are left after it. The report is about the remaining ones.
 
     \b
     Examples:
@@ -73,7 +73,7 @@ def _compiled(spec: str) -> Result:
 
 
 def _fixed(spec: str, write: bool, quiet: bool) -> Result:
-    """Make or show the fixes of one spec. Return what is left to report."""
+    """Make or show the fixes of one spec. Return the diagnostics that are left."""
     from unitylink.output_file import replace_file
     from unitylink.spec import compile_file, compile_text
     from unitylink.spec.fix import fix_text
@@ -84,7 +84,7 @@ def _fixed(spec: str, write: bool, quiet: bool) -> Result:
         data = sys.stdin.buffer.read(MAX_BYTES + 1) if spec == "-" else Path(spec).read_bytes()
         text = data.decode()
     except UnicodeDecodeError:
-        return compile_text(data, name)  # no text, so nothing to fix: the compiler says why
+        return compile_text(data, name)  # it is no text, so there is nothing to fix; the compiler reports why
     except (OSError, ValueError):
         return compile_file(spec)
     if len(data) > MAX_BYTES:

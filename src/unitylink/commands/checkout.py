@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What only a checkout of the source has: the package `unitylink_lab`, which measures Unity-Link itself."""
+"""Things that only a checkout of the source has: the package `unitylink_lab`, which measures Unity-Link
+itself.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +18,6 @@ def in_checkout() -> bool:
 
 
 def need_checkout(what: str) -> None:
-    """Raise Failure in an installed wheel. `what` names what was asked for."""
+    """Raises Failure in an installed wheel. `what` names what the user asked for."""
     if not in_checkout():
         raise Failure(f"{what} {CHECKOUT_NEEDED}", "clone the project and run `make build` in it")

@@ -21,7 +21,7 @@ _WHERE = {
 @click.argument("shell", type=click.Choice(list(_WHERE)))
 @click.pass_context
 def command(context: click.Context, shell: str) -> None:
-    """See `help` above, which is made of the table."""
+    """The help text is in `help` above. It is made from the table."""
     kind = get_completion_class(shell)
     assert kind is not None
     click.echo(kind(context.find_root().command, {}, "unitylink", "_UNITYLINK_COMPLETE").source())

@@ -78,8 +78,8 @@ def command(
 ) -> None:
     """Print what went over a link: time, direction, bytes and meaning.
 
-    `?trace=FILE` on a link's URL has written FILE. Times are seconds since its first byte. With --spec words
-    have their names. Wireshark opens the same file, with the dissector that --dissector prints.
+    `?trace=FILE` on a link's URL has written FILE. Times are in seconds since its first byte. With --spec,
+    words have their names. Wireshark opens the same file, with the dissector that --dissector prints.
 
     \b
     Examples:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink demo`: an example that comes along, run."""
+"""`unitylink demo`: run an example of this package."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .failure import Failure
 @click.option("--picture", metavar="PNG", type=click.Path(dir_okay=False), help="Save the joint paths there.")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def command(name: str, *, listing: bool, picture: str | None, arguments: tuple[str, ...]) -> None:
-    """Run an example on a virtual board: the paper's SCARA robot unless NAME is another.
+    """Run an example on a virtual board. It is the paper's SCARA robot unless NAME is another one.
 
     ARGUMENTS go to the example. `unitylink demo NAME --help-example` shows them.
 

@@ -48,12 +48,14 @@ _SAID = {
 )
 @json_option("the ports")
 def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool) -> None:
-    """List serial ports: what they are, which program holds them, and with --ask what answers there.
+    """List serial ports, with their kind and the program that holds them.
 
-    Without --ask no port is opened and no byte is sent. A motor controller on an unknown port may act on what
-    it gets, and some boards reset when their port is opened. --ask sends one harmless request (RLC) to each
-    free serial port, at --baud, and as a broadcast over UDP. TCP has no broadcast: `unitylink doctor
-    tcp://HOST:PORT` asks one host.
+    With --ask, list what answers there.
+
+    Without --ask no port is opened and no byte is sent. A motor controller on an unknown port may act on a
+    byte, and some boards reset when their port is opened. --ask sends one harmless request (RLC) to each free
+    serial port, at --baud, and as a broadcast over UDP. TCP has no broadcast:
+    `unitylink doctor tcp://HOST:PORT` asks one host.
 
     \b
     Examples:
@@ -124,7 +126,7 @@ def _ask(link: str) -> str:
     try:
         with Driver(link) as driver:
             answer = probe(driver)
-    except LinkError as error:  # gone, or taken, since it was listed
+    except LinkError as error:  # the port is gone, or another program took it, since it was listed
         return error.message
     return f"a board: {answer.fields}" if answer.kind == "configuration" else answer.kind
 

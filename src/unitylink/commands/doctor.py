@@ -31,10 +31,10 @@ _MARKS = {"error": ("✗", "\x1b[1;31m"), "warning": ("!", "\x1b[1;33m"), "note"
 def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -> None:
     """Find what keeps you from the board at LINK. Each finding comes with the command that mends it.
 
-    It looks at the port (permission, other programs, ModemManager, latency timer) and at the answer (silence,
-    noise, another baud rate or checksum). With --spec it checks whether the board has what the spec says. The
-    exit code is 1 if something keeps the link from working. `unitylink explain CODE` says more about a
-    finding.
+    It looks at the port (permission, other programs, ModemManager, latency timer). Then it looks at the
+    answer (silence, noise, another baud rate or checksum). With --spec it checks whether the board fits the
+    spec. The exit code is 1 if something keeps the link from working. `unitylink explain CODE` says more
+    about a finding.
 
     \b
     Examples:
@@ -82,7 +82,7 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
 
 
 def _port_of(machine: Machine, link: str) -> SerialPort:
-    """Return the USB device that --install is to write a rule for."""
+    """Return the USB device for which --install writes a rule."""
     from unitylink.ports.ftdi import ftdi_channels
 
     scheme, _, rest = link.partition(":")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def command(codes: tuple[str, ...], as_json: bool) -> None:
     """Explain the codes of `check` and `doctor`.
 
-    For a diagnostic it says why this is a mistake, with an example, wrong and mended. For a finding of the
+    For a diagnostic it says why this is a mistake, with a wrong and a mended example. For a finding of the
     doctor it gives the cause. Without a CODE all codes are listed.
 
     \b

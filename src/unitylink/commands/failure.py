@@ -7,7 +7,7 @@ import click
 
 
 class Failure(click.ClickException):
-    """A command cannot do its work. `help_line` says what to do about it. The exit code is 1."""
+    """A command cannot do its work. `help_line` is the remedy. The exit code is 1."""
 
     def __init__(self, message: str, help_line: str = "") -> None:
         super().__init__(message)

@@ -15,7 +15,7 @@ import click
 from .checkout import need_checkout
 from .output import json_option, print_json, print_table
 
-RUN_MESSAGES = 20_000  # of one history; more messages are more histories, so that all of them begin and end
+RUN_MESSAGES = 20_000  # for one history; more messages make more histories, so that all of them begin and end
 _COUNTED = ("messages", "faults", "good", "failed", "unknown", "retries", "resets", "undetected")
 
 
@@ -63,7 +63,7 @@ class Result:
 
 
 def histories(whole: History) -> Iterator[History]:
-    """Cut one that is too long into several, with seeds that follow each other."""
+    """Cut a history that is too long into several, with consecutive seeds."""
     for index, begun in enumerate(range(0, whole.messages, RUN_MESSAGES)):
         size = min(RUN_MESSAGES, whole.messages - begun)
         yield replace(whole, seed=whole.seed + index, messages=size)
@@ -134,10 +134,10 @@ def command(
 ) -> int:
     """Try the engine on a wire that does everything wrong.
 
-    Each value is written once, and the device's own record says what it has executed. Nothing may be executed
-    twice, be reported as done and not be, or come in another order. No request may get the reply to another
-    one. Each operation must end in its time. After the faults all must work again. A history that fails is
-    printed with the command that repeats it.
+    Each value is written once. The device's own record shows what it has executed. Nothing may be executed
+    twice. Nothing may be reported as done that is not, or come in another order. No request may get the reply
+    to another one. Each operation must end in its time. After the faults, everything must work again. A
+    history that fails is printed with the command that repeats it.
 
     \b
     Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses restarts dead

@@ -33,7 +33,7 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
     if check and stdout:
         raise click.UsageError("--check and --stdout exclude each other")
     differing = 0
-    failures: list[str] = []  # one wrong file does not keep the others from being laid out
+    failures: list[str] = []  # collected, so that a wrong file does not stop the others
     for spec in specs:
         try:
             text, formatted = _formatted(spec)
@@ -62,7 +62,7 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
 
 
 def _formatted(spec: str) -> tuple[str, str]:
-    """Return (text, formatted text) of a file. SpecError if the text is not a spec."""
+    """Return (text, formatted text) of a file. Raises SpecError if the text is not a spec."""
     from unitylink.spec import compile_text, format_text, render
     from unitylink.spec.source import MAX_BYTES
 
@@ -74,7 +74,7 @@ def _formatted(spec: str) -> tuple[str, str]:
     except UnicodeDecodeError:
         text = ""
     if len(data) > MAX_BYTES or (data and not text):
-        # The compiler has the diagnostic with the mistake and its place.
+        # The compiler's diagnostic has the mistake and its place.
         diagnostics = compile_text(data, name).diagnostics
         raise SpecError(render(diagnostics), diagnostics)
     return text, format_text(text, name)

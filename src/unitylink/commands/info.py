@@ -41,7 +41,7 @@ _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 @spec_option
 @json_option("all of it")
 def command(link: str, spec_file: str | None, as_json: bool) -> None:
-    """See `help` above."""
+    """The help text is in `help` above."""
     with open_target(link, spec_file, check=False) as target:
         configuration = target.link.configuration
         networks = {f"0x{base:04X}": _network(target, base) for base in _tosnet_bases(target.spec)}
@@ -96,7 +96,7 @@ def _network(target: Target, base: int) -> dict[str, Any]:
 
 
 def _spec(target: Target) -> dict[str, Any] | None:
-    """Print what the device cannot do for the spec, as far as its configuration tells."""
+    """Print what the spec needs and the device cannot do, as far as its configuration tells."""
     spec, configuration = target.spec, target.link.configuration
     if spec is None:
         return None
@@ -119,7 +119,7 @@ def _spec(target: Target) -> dict[str, Any] | None:
 
 
 def _binding(target: Target) -> dict[str, Any]:
-    """Say whether the gateware was built from the spec that is given."""
+    """Tell whether the gateware was built from this spec."""
     link = target.link
     if target.spec is not None:
         try:

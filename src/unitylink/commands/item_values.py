@@ -20,10 +20,12 @@ if TYPE_CHECKING:
 def item_values(
     link: Link, items: Sequence[Item], publisher: Publisher | None = None
 ) -> dict[str, ReadValue[Any]]:
-    """Make a value of each item. Unlike the spec's own tree it can read WRITE items and bare addresses.
+    """Make a value of each item.
 
-    Addresses of items are final, so that plain memory reaches all of them. Raises BindingError for an item of
-    the spec beyond the device's address bus, ValueRangeError for such a bare address.
+    Unlike the tree of the spec, it can also read WRITE items and bare addresses.
+
+    The items' addresses are already absolute, so plain memory reaches all of them. Raises BindingError for an
+    item of the spec beyond the device's address bus, and ValueRangeError for such a bare address.
     """
     check_bare(link, items)
     memory = MemoryProxy(link)
@@ -50,7 +52,7 @@ def item_values(
 
 
 def check_bare(link: Link, items: Sequence[Item]) -> None:
-    """Raise ValueRangeError for a typed address that the bus of the device does not have."""
+    """Raise ValueRangeError for a bare address beyond the device's address bus."""
     bits = link.configuration.address_bits
     for item in items:
         if item.element is None and item.address >> bits:

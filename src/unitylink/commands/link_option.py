@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")  # of a URL, as RFC 3986 has it
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")  # the scheme of a URL, as in RFC 3986
 
 
 def is_link(text: str) -> bool:
-    """Tell a LINK from a name: a LINK begins with a scheme and a colon, which no name has."""
+    """Tell a LINK from a name. A LINK begins with a scheme and a colon, which no name has."""
     return bool(_SCHEME.match(text))
 
 
@@ -69,7 +69,7 @@ class Target:
 
 
 def simulated_spec(link: str) -> str | None:
-    """Return the file a `sim:` or `rtl:` link simulates, None for other links.
+    """Return the file that a `sim:` or `rtl:` link simulates, or None for other links.
 
     >>> simulated_spec("sim:arms/scara.ul?plant=ramp")
     'arms/scara.ul'
@@ -100,8 +100,10 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
 
 
 class _Complaints(logging.Handler):
-    """Prints logged messages, such as a failed read, while the link lives. The error at the end of the
-    command reports the end of the link."""
+    """Prints logged messages, such as a failed read, while the link exists.
+
+    The end of the link itself is reported as the command's error.
+    """
 
     link: Link | None = None
 
@@ -121,9 +123,10 @@ def open_target(
     """Open LINK and load its names. The link is closed at the end.
 
     Raises DeviceMismatch if the gateware was built from another spec, unless `check` is False. Logged
-    messages go to stderr, unless `quiet` says that the command shows them itself.
+    messages go to stderr. With `quiet`, the command shows them itself.
     """
-    names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
+    # done first, because a mistake in the spec can be reported without a device
+    names = load_names(link, spec_file)
     from unitylink import connect
 
     logger, complaints = logging.getLogger("unitylink"), _Complaints(quiet)

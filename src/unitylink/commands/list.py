@@ -15,7 +15,7 @@ from .link_option import is_link, load_names, open_target, spec_option
 from .names import Item
 from .output import json_option, print_json, print_table
 
-_BASE_HZ = 1000  # the base publish frequency of the published gateware; a device says its own
+_BASE_HZ = 1000  # the base publish frequency of the first published gateware; a device tells its own
 _BY = {1: "hardware", 2: "software"}
 
 
@@ -26,8 +26,8 @@ _BY = {1: "hardware", 2: "software"}
 def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> None:
     """List the items of a spec: name, address, access, type, how it publishes.
 
-    With a LINK the device is asked too. Publish rates are then its own, and items that it cannot reach are
-    marked. NAME is a name, an instance, a group or a pattern.
+    With a LINK, the device is asked, too. Then the publish rates are those of the device, and items that it
+    cannot reach are marked. NAME is a name, an instance, a group or a pattern.
 
     \b
     Examples:

@@ -25,16 +25,16 @@ if TYPE_CHECKING:
     from .sampler import Sample
 
 _REDRAW_S = 0.1
-_STALE_S = 1.0  # no value is stale before this age, however fast it should come
-_STALE_PERIODS = 3  # and none before so many of its samples are overdue
+_STALE_S = 1.0  # no value is stale before this age, however high its rate is
+_STALE_PERIODS = 3  # nor before so many of its samples are overdue
 _TREND = 24  # values in the trend column
 _BARS = "▁▂▃▄▅▆▇█"
 
 
 class Track:
-    """The table's row of one item: its last value and numbers, extremes, and rate.
+    """The row of one item in the table: its last value and numbers, extremes, and rate.
 
-    For a packed value, and for one that is not a finite number, only the last one is kept.
+    For a packed value, or one that is not a finite number, only the last value is kept.
     """
 
     def __init__(self) -> None:
@@ -54,7 +54,10 @@ class Track:
         self.values.append(value)
 
     def stale_s(self, now_s: float, expected_hz: float) -> float | None:
-        """Return the age of the last sample in s if samples at `expected_hz` (0: at no rate) are overdue."""
+        """Return the age of the last sample in s if the samples are overdue.
+
+        `expected_hz` is their rate, 0 for no rate.
+        """
         if not self.times_s or expected_hz <= 0:
             return None
         age_s = now_s - self.times_s[-1]
@@ -62,13 +65,13 @@ class Track:
 
     @property
     def rate_hz(self) -> float:
-        """The rate of the last samples as measured, 0 before there are two."""
+        """The measured rate of the last samples, or 0 if there are fewer than two."""
         span_s = self.times_s[-1] - self.times_s[0] if self.times_s else 0.0
         return (len(self.times_s) - 1) / span_s if span_s > 0 else 0.0
 
 
 def trend(values: Sequence[float]) -> str:
-    """Draw values as bars between their smallest and largest.
+    """Draw values as bars between the smallest and the largest one.
 
     >>> trend([0, 5, 10])
     '▁▄█'
@@ -134,10 +137,10 @@ def draw(
     width: int = 120,
     now_s: float | None = None,
 ) -> Table:
-    """Return the current table. On a narrow terminal it still has names and values.
+    """Return the current table. On a narrow terminal it has only names and values.
 
-    An item that is overdue at `now_s` (by the clock of the samples, by default now) is grey, with its age in
-    place of its rate.
+    An item that is overdue at `now_s` is grey, with its age in place of its rate. `now_s` is by the clock of
+    the samples, by default now.
     """
     now_s = time.monotonic() if now_s is None else now_s
     table = Table(
@@ -149,7 +152,7 @@ def draw(
     )
     names = max((len(item.name) for item in items), default=0)
     units = any(item.unit for item in items)
-    bars, extremes = width >= names + 55, width >= names + 90  # what the columns take
+    bars, extremes = width >= names + 55, width >= names + 90  # the widths that these columns need
     table.add_column("name", style="bold", no_wrap=True)
     table.add_column("value", justify="right", style="cyan", min_width=11, no_wrap=True)
     if units:

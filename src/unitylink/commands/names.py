@@ -26,7 +26,9 @@ _GLOB = re.compile(r"[*?\[]")
 
 @dataclass(frozen=True)
 class Item:
-    """A word of the device: an element of the spec, or (`element` None) a bare address that was typed."""
+    """A word of the device: an element of the spec, or a bare address that was typed (then `element` is
+    None).
+    """
 
     name: str
     address: int
@@ -39,7 +41,10 @@ class Item:
 
     @property
     def pollable(self) -> bool:
-        """Whether it may be read without being named: not where that changes something or means nothing."""
+        """Whether it may be read without being named.
+
+        It may not if a read changes something or has no meaning.
+        """
         return self.element is None or self.element.access not in ("READCLEAR", "PULSE")
 
     @property
@@ -48,10 +53,10 @@ class Item:
 
 
 class Names:
-    """All names of a spec (or none), with search."""
+    """All names of a spec, with search. There may be none."""
 
     def __init__(self, spec: Spec | None, source: str = "", *, part: Spec | None = None) -> None:
-        """`part` is the named part, if that is not the whole spec."""
+        """`part` is the named part, if it is not the whole spec."""
         self.spec = spec
         self.source = source or (spec.source if spec else "")
         part = part if part is not None else spec
@@ -72,7 +77,7 @@ class Names:
                 self._collect(root, prefix)
 
     def on(self, link: Link) -> Names:
-        """Return the names of the gateware behind `link`. DeviceMismatch if it has another spec."""
+        """Return the names of the gateware behind `link`. Raises DeviceMismatch if it has another spec."""
         if self.spec is None:
             return self
         return Names(self.spec, self.source, part=part_behind(link, self.spec))
@@ -86,9 +91,10 @@ class Names:
             self._collect(below, prefix)
 
     def find(self, words: Sequence[str]) -> list[Item]:
-        """Resolve names, patterns and addresses, in the order typed, each item once.
+        """Resolve names, patterns and addresses in the order typed. Each item comes once.
 
-        The name of an instance or a group stands for its elements. `Failure` for a word that finds nothing.
+        The name of an instance or a group stands for its elements. Raises `Failure` for a word that finds
+        nothing.
         """
         found: dict[str, Item] = {}
         for word in words:
@@ -97,7 +103,7 @@ class Names:
         return list(found.values())
 
     def find_readable(self, words: Sequence[str]) -> list[Item]:
-        """Resolve like `find`, but omit items that reading changes, unless they are named themselves."""
+        """Resolve like `find`, but leave out items that a read changes, unless they are named themselves."""
         return [item for item in self.find(words) if item.pollable or item.name in words]
 
     def all(self) -> list[Item]:

@@ -14,7 +14,7 @@ from unitylink.optional import installation
 from .failure import Failure
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_OWN = frozenset({"run", "show", "step", "url", "link"})  # names in the project's own script
+_OWN = frozenset({"run", "show", "step", "url", "link"})  # names that the project's own script uses
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -60,7 +60,7 @@ def _files(name: str) -> dict[str, str]:
     if result.spec is None or result.diagnostics:
         raise click.UsageError(f"'{name}' means something else in a spec; did you mean {name}_robot?")
     generated = generate_python(result.spec)
-    classes = re.findall(r"^class (\w+)\(", generated[f"{name}.py"], re.M)  # the public one comes first
+    classes = re.findall(r"^class (\w+)\(", generated[f"{name}.py"], re.M)  # the public class comes first
 
     def filled(template: str) -> str:
         return _template(template).replace("NAME", name).replace("CLASS", classes[0])

@@ -24,24 +24,27 @@ force_option = click.option("--force", is_flag=True, help="Replace the file that
 
 
 def colours(stream: TextIO) -> bool:
-    """Tell whether `stream` is a terminal that wants colours (see no-color.org)."""
+    """Tell whether `stream` is a terminal on which colours are wanted (see no-color.org)."""
     return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
 def terminal() -> bool:
-    """Tell whether a person looks at stdout through a terminal that can redraw."""
+    """Tell whether stdout is a terminal that can redraw."""
     return sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def print_json(data: object, *, indent: int | None = 2) -> None:
-    """Print `data` as JSON. NaN and infinities, which JSON does not have, are an error of ours."""
+    """Print `data` as JSON. NaN and infinities are an error of ours, because JSON does not have them."""
     click.echo(json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False))
 
 
 def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, right: Sequence[int] = ()) -> None:
-    """Print rows under headers: ruled and coloured on a terminal that is wide enough, else plain columns.
+    """Print rows under headers.
 
-    `right` are the columns set flush right. Plain columns are two or more spaces apart and never cut.
+    A terminal that is wide enough gets rules and colours, anything else plain columns.
+
+    `right` names the columns that are aligned at the right. Plain columns are two or more spaces apart and
+    never cut.
 
     >>> print_table(("name", "value"), [("j1.cpos", "-12"), ("j2.cpos", "4")], right=[1])
     name     value
@@ -49,7 +52,7 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, right:
     j2.cpos      4
     """
     plain = plain_table(headers, rows, right=right)
-    ruled_width = max(map(len, plain)) + len(headers) + 1  # a ruled table would cut what does not fit
+    ruled_width = max(map(len, plain)) + len(headers) + 1  # a ruled table would cut cells that do not fit
     if not terminal() or ruled_width > shutil.get_terminal_size().columns:
         for line in plain:
             click.echo(line)
@@ -72,7 +75,7 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, right:
 def plain_table(
     headers: Sequence[str], rows: Sequence[Sequence[str]], *, right: Sequence[int] = ()
 ) -> list[str]:
-    """Return aligned lines without any drawing."""
+    """Return aligned lines without rules."""
     lines = [headers, *rows]
     widths = [max(len(line[column]) for line in lines) for column in range(len(headers))]
     return [

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 _PICTURES = (".png", ".svg", ".pdf")
 _REDRAW_S = 0.2
 _PANELS_MOST = 64
-_WINDOW_S = 10.0  # what a live plot shows
-_LINES_MOST = 8  # in one panel; more would hide each other
+_WINDOW_S = 10.0  # the time that a live plot shows
+_LINES_MOST = 8  # the most lines in one panel; more would hide each other
 _COLOURS = ("cyan+", "orange+", "green+", "magenta+", "red+", "blue+", "white", "gray")  # of plotext
 
 
@@ -65,7 +65,7 @@ def command(
     rate_hz: float,
     duration_s: float | None,
 ) -> None:
-    """Draw items over time: from a LINK as they come, or from a recording.
+    """Draw items over time: live from a LINK, or from a recording.
 
     Values with the same unit share a panel. Members of enumerations are drawn by name. An MCAP recording
     knows its units. For a CSV file add --spec.
@@ -82,7 +82,7 @@ def command(
         raise Failure("the output is not a terminal, so nothing can be drawn on it", "add --out FILE.png")
     if out is not None:
         check_output(out, force=force)
-    _need("matplotlib" if out is not None else "plotext")  # before anything is measured
+    _need("matplotlib" if out is not None else "plotext")  # checked before anything is measured
     if not is_link(source):
         _draw(_recorded(source, names, spec_file), Path(source).name, out, force=force)
         return
@@ -99,7 +99,7 @@ def command(
             with Sampler(target.link, found, rate_hz) as sampler, suppress(KeyboardInterrupt):
                 _follow(sampler, series, quantities, source=source, out=out, duration_s=duration_s)
         except LinkError as error:
-            failed = error  # after what came until then has been drawn
+            failed = error  # raised after everything that came before it has been drawn
         if out is not None and (failed is None or series.count):
             _draw(series, source, out, force=force)
         if failed is not None:
@@ -120,7 +120,7 @@ def _follow(
     out: str | None,
     duration_s: float | None,
 ) -> None:
-    """Fill `series` with the samples. Without `out` a terminal shows them meanwhile."""
+    """Fill `series` with the samples. Without `out`, a terminal shows them meanwhile."""
     drawn_s = time.monotonic()
     for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
         if sample is not None:
@@ -134,7 +134,7 @@ def _follow(
                 one.forget(newest_s - _WINDOW_S)
             _draw_terminal(series, source, clear=True)
     if out is None:
-        _draw_terminal(series, source, clear=True)  # with what came since
+        _draw_terminal(series, source, clear=True)  # with the samples that came since
 
 
 def _recorded(path: str, patterns: Sequence[str], spec_file: str | None) -> AllSeries:
@@ -163,7 +163,10 @@ def _recorded(path: str, patterns: Sequence[str], spec_file: str | None) -> AllS
 
 
 def _spec_of(made_with: Origin) -> Spec | None:
-    """Return the spec that lies in a recording. None where it has none, or one that does not stand alone."""
+    """Return the spec that is stored in a recording.
+
+    Return None if it has none, or one that is incomplete.
+    """
     from unitylink.spec import compile_text
 
     return compile_text(made_with.text.encode(), made_with.name).spec if made_with.text else None
@@ -220,7 +223,7 @@ def _draw(series: AllSeries, title: str, out: str | None, *, force: bool) -> Non
 
 
 def _text(text: str) -> str:
-    """Return a text for matplotlib, which would set text between dollars as a formula."""
+    """Return a text for matplotlib, which would read text between dollars as a formula."""
     return text.replace("$", r"\$")
 
 
@@ -230,7 +233,7 @@ def _draw_terminal(series: AllSeries, title: str, *, clear: bool) -> None:
     plotext.clear_figure()
     plotext.theme("clear")
     width, height = shutil.get_terminal_size()
-    plotext.plot_size(width, height - 1)  # the last line is the cursor's
+    plotext.plot_size(width, height - 1)  # the cursor needs the last line
     coloured = colours(sys.stdout)
     shown = list(series.items())[:_LINES_MOST]
     for (name, one), colour in zip(shown, _COLOURS, strict=False):
@@ -244,6 +247,6 @@ def _draw_terminal(series: AllSeries, title: str, *, clear: bool) -> None:
     plotext.title(title)
     plotext.xlabel("s")
     picture = plotext.build().rstrip("\n")
-    if clear:  # replaces the last picture in one step, so that Ctrl-C leaves a whole one
+    if clear:  # replaces the last picture in one step, so that a whole one is left after Ctrl-C
         picture = "\x1b[H" + picture.replace("\n", "\x1b[K\n") + "\x1b[J"
     click.echo(picture)

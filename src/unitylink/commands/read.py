@@ -27,8 +27,8 @@ def command(
     """Read items and print their values.
 
     NAME is a name of the spec, an instance or a group (all its items), a pattern, or a word address like
-    0x88. Values are in the units of the spec. Items that fit one message of the device are one consistent
-    snapshot. An item that reading changes (READCLEAR) is read only by its full name.
+    0x88. Values are in the units of the spec. Items that fit into one message of the device are one
+    consistent snapshot. An item that a read changes (READCLEAR) is read only by its full name.
 
     \b
     Examples:

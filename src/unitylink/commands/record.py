@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _GATHER_S = 0.02  # samples within this time are written together, which halves the cost
 _HOLD_S = 1.0  # samples are held back for so long, so that the file has them in the order of their times
 _NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
-_SHOW_S = 0.5  # between two progress lines
+_SHOW_S = 0.5  # s between two updates of the line
 _FLUSH_S = 0.5  # s between two writes; a program that is killed loses at most so much
 
 
@@ -62,8 +62,8 @@ def command(
 
     Items with PUBLISH come at their own rate. The others are read at --rate. NAME is as for `read`. Without a
     NAME all READ items of the spec are recorded, and the set-points of the WRITE items. A sample has the time
-    at which it came. Lost samples are counted, and then the exit code is 1. The file is whole, whatever ends
-    the recording, but kill -9 loses the last two seconds. An existing file is kept.
+    at which it came. Lost samples are counted. If there are any, the exit code is 1. The file is complete
+    however the recording ends, except that kill -9 loses the last two seconds. An existing file is kept.
 
     \b
     Examples:
@@ -73,7 +73,8 @@ def command(
     """
     from unitylink.recording import Sample, check_name, create
 
-    check_name(out if out is not None else "recording.mcap")  # before the device is asked for anything
+    # checked before the device is asked for anything
+    check_name(out if out is not None else "recording.mcap")
     if out is not None:
         check_output(out, force=force)
     with ended_by_signals(), open_target(link, spec_file) as target:
@@ -88,9 +89,9 @@ def command(
         began = time.monotonic()
         failed: LinkError | None = None
         sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
-        # Of the others the numbers are written as they are.
+        # Other types are written as their numbers.
         texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
-        topics: dict[tuple[str, ...], str] = {}  # known once the sets of samples are known
+        topics: dict[tuple[str, ...], str] = {}  # filled in when the sets of samples are known
         names_of = tuple(i.name for i in items)
         with create(path, _origin(known, items), names_of, topics=topics, force=force) as writer:
 
@@ -114,7 +115,7 @@ def command(
                             flushed_s = time.monotonic()
                             writer.flush()
             except LinkError as error:
-                failed = error  # after the contents of the file have been printed
+                failed = error  # raised after the contents of the file have been printed
             for sample in sampler.rest():
                 take(sample)
             progress.end()
@@ -137,7 +138,7 @@ def command(
 
 
 class _Progress:
-    """A line on the terminal that says how far the recording is."""
+    """A line on the terminal that shows how far the recording is."""
 
     def __init__(self, writer: Writer, path: str, *, quiet: bool) -> None:
         self.writer = writer
@@ -157,7 +158,7 @@ class _Progress:
             click.echo(f"\r{line}  (Ctrl-C ends it)\x1b[K", nl=False, err=True)
 
     def end(self) -> None:
-        """Wipe the line away, because the result follows."""
+        """Clear the line, because the result follows."""
         if self.shown:
             click.echo("\r\x1b[K", nl=False, err=True)
 

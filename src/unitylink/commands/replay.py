@@ -41,10 +41,12 @@ def command(
     loop: bool,
     as_json: bool,
 ) -> None:
-    """Serve a recording as a device until Ctrl-C. It answers and publishes what the robot did then.
+    """Serve a recording as a device until Ctrl-C.
 
-    All that works on a robot works on its recording: watch, plot, your own program. Writes are taken and have
-    no effect. `sim:SPEC.ul?plant=FILE.mcap` is the same inside one program.
+    It answers and publishes what the robot did when it was recorded.
+
+    Everything that works on a robot works on its recording: watch, plot, your own program. Writes are
+    accepted, but have no effect. `sim:SPEC.ul?plant=FILE.mcap` is the same inside one program.
 
     \b
     Examples:

@@ -34,17 +34,17 @@ _BECAME = {
     "restarted": "the device has restarted: the values written to it are lost",
     "back": "the line is back, and the samples go on",
 }
-TICK_S = 0.1  # s; how often it checks whether the link still works and the time is not over
+TICK_S = 0.1  # s between two checks of the link and of the time
 _WAITING = 100_000  # samples that may wait; more are lost, and counted
 
 
 class Sampler:
     """Publish `items` while the `with` block runs, and hand out their samples.
 
-    With `gather_s` the samples of that time are handed out together, each with its own time. To wake a thread
-    for every sample costs more than its work. With `hold_s` they are handed out that much later, in the order
-    of their times. Samples of different rates, and those that are read, do not come in that order. A sample
-    that is later still has lost its place, and counts as lost.
+    With `gather_s`, the samples of that time are handed out together, each with its own time. Waking a thread
+    for every sample costs more than its work. With `hold_s`, they are handed out so much later, in the order
+    of their times. Otherwise, samples of different rates, and those that the PC reads, are not in this order.
+    A sample that is even later has lost its place, and counts as lost.
 
     `start_s` is the time of the link at which sampling began.
 
@@ -68,7 +68,7 @@ class Sampler:
         self._link = link
         self._gather_s = gather_s
         self._held = ReorderBuffer[Sample](hold_s)
-        self._enough = False  # there were as many as were asked for
+        self._enough = False  # true when the requested number of samples has come
         self._arrived: queue.SimpleQueue[Sample] = queue.SimpleQueue()
         self._asked = next((item.address for item in items if item.pollable), None)
         for value in item_values(link, items, self.publisher).values():
@@ -97,7 +97,7 @@ class Sampler:
         self.publisher.start(fallback=True)
         reports = self.publisher.reports()
         if len(reports) == 1 and reports[0].rate_hz:
-            self._held.hold_s = 0.0  # what one clock brings comes in order
+            self._held.hold_s = 0.0  # samples of one clock come in order
         return self
 
     def _tell(self, event: LinkEvent) -> None:
@@ -106,8 +106,8 @@ class Sampler:
     def since_start_s(self, time_s: float) -> float:
         """Return the seconds from the start to the time of a sample.
 
-        The device's clock is known only to some microseconds. So the first sample may be before the start.
-        Then the start is taken as its time.
+        The PC knows the device's clock only to some microseconds. So the first sample may be before the
+        start. Then the time of the sample is taken as the start.
         """
         self.start_s = min(self.start_s, time_s)
         return time_s - self.start_s
@@ -119,13 +119,13 @@ class Sampler:
         try:
             self.publisher.stop()
         except LinkError:
-            if error is None:  # else the first error tells more than that stopping fails as well
+            if error is None:  # otherwise the first error says more than the failed stop
                 raise
 
     def samples(self, count: int | None = None, duration_s: float | None = None) -> Iterator[Sample | None]:
-        """Yield samples, and None at least every 0.1 s, until there were `count` or `duration_s` is over.
+        """Yield samples until there were `count` or `duration_s` is over. Yield None at least every 0.1 s.
 
-        Raises LinkClosed when the device goes away, LinkTimeout when it falls silent.
+        Raises LinkClosed if the device goes away, and LinkTimeout if it falls silent.
         """
         slowest_hz = min(report.rate_hz for report in self.publisher.reports())
         patience_s = 2.0 + 3.0 / slowest_hz if slowest_hz else float("inf")  # an event may never come
@@ -144,14 +144,14 @@ class Sampler:
             elif self._link.closed:
                 yield from self.rest()
                 self._raise_closed()
-            elif self._link.trouble:  # it is being opened again (reconnect=1), however long that takes
+            elif self._link.trouble:  # the link is being opened again (reconnect=1), however long that takes
                 last = time.monotonic()
             elif time.monotonic() - last > patience_s:
                 self._raise_silent(patience_s)
         yield from self.rest()
 
     def rest(self) -> Iterator[Sample]:
-        """Yield the samples that were not handed out yet, at the end, also after Ctrl-C."""
+        """Yield the samples that have not been handed out yet. This is for the end, also after Ctrl-C."""
         self._hold_arrived()
         while not self._enough and (sample := self._held.take_last()) is not None:
             yield sample
@@ -165,7 +165,7 @@ class Sampler:
         raise LinkClosed(f"{self._link.url}: the device went away")
 
     def _raise_silent(self, waited_s: float) -> NoReturn:
-        """Say whether it is the device that is silent, or only its publishes."""
+        """Raise an error that says whether the device is silent, or only its publishes."""
         silence = f"{self._link.url}: no sample for {waited_s:.1f} s"
         if self._asked is None:
             raise LinkTimeout(f"{silence}; does the device publish?")

@@ -37,10 +37,12 @@ duration_option = click.option(
 
 
 def sampled_items(target: Target, names: Sequence[str], verb: str, *, set_points: bool = False) -> list[Item]:
-    """Return the items that `names` mean. By default all that the PC can read without changing them.
+    """Return the items that `names` mean.
 
-    With `set_points` these are also the items that it writes, if the device lets them be read back. The
-    others are reported. Raises Failure, with `verb` in it, where nothing is left.
+    By default, these are all items that the PC can read without changing them.
+
+    With `set_points` these are also the items that it writes, if the device allows reading them back. The
+    others are reported. Raises Failure, with `verb` in it, if nothing is left.
     """
     known = target.names
     if names:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Diagnostics as SARIF 2.1.0, which code hosts and editors show beside the lines they are about."""
+"""Diagnostics as SARIF 2.1.0, which code hosts and editors show beside the lines."""
 
 from __future__ import annotations
 

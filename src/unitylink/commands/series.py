@@ -21,7 +21,10 @@ def parts_of(path: str, kind: ValueType, unit: str) -> Iterator[Part]:
 
 
 class Series:
-    """Times and numbers of one path. `unit` is their unit. `members` are the names of 0, 1, 2 ...."""
+    """Times and numbers of one path.
+
+    `unit` is their unit. `members` are the names of the numbers 0, 1, 2 ....
+    """
 
     def __init__(self, unit: str = "", members: tuple[str, ...] = ()) -> None:
         self.unit = unit
@@ -30,7 +33,10 @@ class Series:
         self.numbers: list[float] = []
 
     def take(self, time_s: float, value: Any) -> None:
-        """Add a number, a truth value or the name of a member. A plot shows nothing else."""
+        """Add a number, a truth value or the name of a member.
+
+        Anything else is left out, because a plot cannot show it.
+        """
         if isinstance(value, str):
             if value not in self.members:
                 self.members.append(value)
@@ -40,24 +46,24 @@ class Series:
             self.numbers.append(float(value))
 
     def forget(self, before_s: float) -> None:
-        """Drop what is older."""
+        """Drop all values from before `before_s`."""
         old = sum(1 for time_s in self.times_s if time_s < before_s)
         del self.times_s[:old], self.numbers[:old]
 
 
 class AllSeries(dict[str, Series]):
-    """Series by path. Fields of packed values have one each, such as `arm.status.ready`."""
+    """Series by path. Each field of a packed value has one, such as `arm.status.ready`."""
 
     def __init__(self, wanted: Callable[[str], bool] = lambda path: True) -> None:
         super().__init__()
         self._wanted = wanted
 
     def declare(self, parts: Iterable[Part]) -> None:
-        """Announce a path, so that its unit, and the order of an enumeration's members, are known."""
+        """Announce a path, so that its unit and the order of an enumeration's members are known."""
         self.update({path: Series(unit, members) for path, unit, members in parts})
 
     def take(self, time_s: float, values: Mapping[str, Any]) -> None:
-        """Add the values of a moment, in the form in which a recording has them."""
+        """Add the values of one moment, in the form that a recording has."""
         for path, value in values.items():
             if isinstance(value, Mapping):
                 self.take(time_s, {f"{path}.{name}": part for name, part in value.items()})

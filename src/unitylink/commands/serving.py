@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 _LOOPBACK = "127.0.0.1"
-_TICK_S = 0.2  # s; how often it checks whether the board still runs
+_TICK_S = 0.2  # s between two checks whether the board still runs
 _LAG_S = 0.05  # a shorter slip is not reported
 _OPTIONS = (
     click.option(
@@ -49,7 +49,7 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
 
     The output of `announce` is flushed, for programs that wait for it. Raises the error that ended the board.
     """
-    with stopped_by_signals() as stop:  # before the announcement: who reads it may send one
+    with stopped_by_signals() as stop:  # before the announcement, because its reader may send a signal
         announce()
         sys.stdout.flush()
         while not stop.wait(_TICK_S):
@@ -57,7 +57,7 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
                 raise board.error
             look()
     lag_s = board.statistics.time_slipped_s
-    if lag_s >= _LAG_S:  # and with its clock all that it publishes stood still now and then
+    if lag_s >= _LAG_S:  # everything that it publishes stood still with its clock now and then
         lag = f"the clock of the board is late by {lag_s:.2f} s: this machine was too busy to run it in time"
         click.echo(lag, err=True)
 
@@ -67,7 +67,7 @@ def endpoint_of(
 ) -> tuple[str, str]:
     """Return (endpoint, address to bind) of a Board.
 
-    One that others can reach has to come from `--bind`, with `--anyone`; that is warned of.
+    If others can reach the address, it must come from `--bind`, with `--anyone`. A warning is printed.
     """
     given = [kind for kind, value in (("tcp", tcp), ("udp", udp), ("pty", pty)) if value is not None]
     if len(given) > 1:
@@ -96,7 +96,7 @@ def endpoint_of(
 
 
 def _place(kind: str, text: str) -> tuple[str | None, int]:
-    """Take `[HOST:]PORT` apart."""
+    """Split `[HOST:]PORT`."""
     host, colon, port = text.rpartition(":")
     if not port.isdecimal() or int(port) > 65535:
         raise click.UsageError(

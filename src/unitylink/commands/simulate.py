@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def _setting_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command an option for every setting that a URL may change, too."""
+    """Give a command an option for every setting that a URL may change."""
     for setting in reversed([one for one in SETTINGS.values() if one.option]):
         name = f"--{setting.option.replace('_', '-')}"
         what = f"{setting.what[0].upper()}{setting.what[1:]}"
@@ -63,12 +63,12 @@ def command(
     """Serve a virtual board of a spec until Ctrl-C: a model of the gateware, and a plant that moves.
 
     The model speaks both protocols. It gives the same replies as the VHDL, byte for byte. Their times are
-    exact for the classic protocol only.
+    exact only for the classic protocol.
 
     docs/settings.md explains the settings of the board.
 
-    With --rtl the board is the VHDL that `unitylink generate --only vhdl` makes. GHDL and Verilator compile
-    it. That takes half a minute the first time, and then comes from a cache.
+    With --rtl, the board is the VHDL that `unitylink generate --only vhdl` makes. GHDL and Verilator compile
+    it. That takes half a minute the first time. Later it comes from a cache.
 
     Anybody on this machine can connect, one at a time. Other machines need --bind and --anyone.
 
@@ -92,7 +92,7 @@ def command(
 
 
 def _board(rtl: bool, spec: Spec, settings: dict[str, int | str], **options: Any) -> Board:
-    """Make the twin of `spec`, or the board that is its VHDL."""
+    """Make the twin of `spec`, or a board that runs its VHDL."""
     from unitylink.simulate import Board, BoardConfiguration
 
     if not rtl:
@@ -103,7 +103,7 @@ def _board(rtl: bool, spec: Spec, settings: dict[str, int | str], **options: Any
 
 
 def _announce(board: Board, spec: Spec, spec_file: str, plant: str, as_json: bool) -> None:
-    """Print the address of the board and what to try."""
+    """Print the address of the board, and commands to try."""
     if as_json:
         print_json({"url": board.url, "spec": spec_file, "plant": plant}, indent=None)
     else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink term`: a terminal for people who type classic commands."""
+"""`unitylink term`: a terminal for typing classic commands."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ _ANSWER_S = 1.0  # how long a script waits for the answer to a line
 def command(link: str, spec_file: str | None) -> None:
     """Type classic commands to a device. See its replies and publishes, each with its meaning.
 
-    Checksums are added, and names stand for addresses. Lines may come from a pipe too. Each waits for its
-    reply.
+    Checksums are added, and names stand for addresses. Lines may also come from a pipe. Then each line waits
+    for its reply.
 
     \b
     Examples:
@@ -80,7 +80,7 @@ def command(link: str, spec_file: str | None) -> None:
 
 
 class Session:
-    """One conversation: lines in, and sent and received messages out, as text."""
+    """One conversation as text: typed lines go in, sent and received messages come out."""
 
     def __init__(self, driver: Driver, names: Names) -> None:
         self.driver = driver
@@ -90,14 +90,17 @@ class Session:
         self._start_s = time.monotonic()
 
     def begin(self) -> Iterator[str]:
-        """Ask for the configuration, which tells how wide addresses are. Yield what was said."""
+        """Ask for the configuration, which tells the width of addresses. Yield the messages of this."""
         yield self.send(f"#{protocol.COMMAND_READ_CONFIGURATION}")
         end_s = time.monotonic() + _ANSWER_S
         while self.reader.address_bytes is None and time.monotonic() < end_s:
             yield from self.receive(end_s - time.monotonic())
 
     def send(self, line: str) -> str:
-        """Send a line. Return its interpretation. Raises ValueError for a name the spec does not have."""
+        """Send a line.
+
+        Return its interpretation. Raises ValueError for a name that the spec does not have.
+        """
         data = prepare(line, self.names, self.reader.address_bytes or 1).encode("ascii", "replace") + b"\n"
         message = self.reader.read(self._now_s(), "sent", data)
         self.driver.send(data)
@@ -125,7 +128,7 @@ def prepare(line: str, names: Names, address_bytes: int) -> str:
     line = line.strip()
     match = _LINE.match(line)
     if match is None:
-        return line  # sent as it is; the device answers it
+        return line  # it is sent unchanged, and the device answers it
     head, letters, data, checksum = match.groups()
     if data is not None:
         data = _ADDRESS_OR_NAME.sub(lambda found: _digits(found[0], names, address_bytes), data)
@@ -134,9 +137,9 @@ def prepare(line: str, names: Names, address_bytes: int) -> str:
     if head == "$" and checksum is None:
         try:
             sent = ClassicEncoder(checked=True).encode(letters, bytes.fromhex(data or ""))
-        except ValueError:  # not whole bytes; the device answers them
+        except ValueError:  # these are not whole bytes; the device answers them
             return text
-        checksum = sent.decode("ascii").strip()[-2:]  # of the letters as they were typed
+        checksum = sent.decode("ascii").strip()[-2:]  # computed over the letters as they were typed
     return text + (f"*{checksum}" if checksum else "")
 
 
@@ -230,7 +233,7 @@ def _talk(session: Session, link: str) -> None:
                     print(_HELP + "\n".join(_COMMANDS.values()))
                 elif line:
                     try:
-                        with saying:  # the answer comes below it, however fast
+                        with saying:  # so that the answer is printed below it, however fast it comes
                             print(session.send(line))
                     except ValueError as error:
                         print(error)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The topics of a recording: values that are sampled together, and at which rate or event."""
+"""The topics of a recording. Each has the values that are sampled together, at one rate or event."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def topics_of(
 ) -> Mapping[tuple[str, ...], str]:
     """Return a topic for each publish by its paths: `/arm/100_hz`, `/arm/on_change`, `/arm/read_10_hz`.
 
-    Where several have the same rate because the groups of the gateware are full, the writer numbers them.
+    Several may have the same rate because the gateware's groups are full. Then the writer numbers them.
     """
     published = {item.name: item.element.publish for item in items if item.element is not None}
     return {

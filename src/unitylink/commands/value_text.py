@@ -19,7 +19,7 @@ from unitylink.values import Quantity, field_names, format_value, member_text
 from .names import Item
 
 _SINGLE = 32  # bits
-_MOST_BITS = 64  # of a number that an item may have
+_MOST_BITS = 64  # the most bits of a number that an item may have
 _NUMBER = re.compile(
     r"([+-]?(?:0[xXoObB][0-9a-fA-F_]+|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf|nan))\s*(.*)"
 )
@@ -29,8 +29,8 @@ _TRUTH = {"true": True, "on": True, "1": True, "false": False, "off": False, "0"
 def parse_value(text: str, item: Item) -> Any:
     """Return the value that `text` means for an item, in the item's unit.
 
-    Numbers may have a unit (`30deg`), enumerations are given by name or number, packed values as
-    `{ready=1, mode=run}` or as one number. A usage error names the item and what may be written.
+    Numbers may have a unit (`30deg`). Enumerations are given by name or number. Packed values are given as
+    `{ready=1, mode=run}` or as one number. Otherwise a usage error names the item and the allowed values.
     """
     if item.element is None:
         return _integer(text, item.name)
@@ -44,7 +44,7 @@ def _parse(text: str, name: str, quantity: Quantity) -> Any:
             raise click.UsageError(f"{name}: '{text}' is not a truth value; write {', '.join(_TRUTH)}")
         return _TRUTH[text.lower()]
     if kind.kind == "enum":
-        return _integer(text, name) if text[:1].isdigit() else text  # the codec knows the names
+        return _integer(text, name) if text[:1].isdigit() else text  # the codec knows the names of members
     if kind.kind == "bits":
         return _fields(text, name, kind) if "=" in text else _integer(text, name)
     if kind.kind == "float" or quantity.scaled:
@@ -85,7 +85,7 @@ def _real(text: str, name: str, quantity: Quantity) -> Any:
     whole = digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b")
     try:
         number: Any = int(digits, 0) if whole else float(digits)
-    except ValueError:  # 0_, or more digits than a number has
+    except ValueError:  # the text is 0_, or has more digits than any number
         raise click.UsageError(f"{name}: '{text}' is not a number") from None
     if not unit or unit == quantity.unit:
         return number if quantity.scaled or quantity.type.kind == "float" else _whole(number, text, name)
@@ -128,7 +128,7 @@ def shown(value: Any, quantity: Quantity) -> str:
 def plain(value: Any, quantity: Quantity) -> Any:
     """Return a value for JSON: members by name, packed values as objects, NaN and infinities as strings.
 
-    An f32 has the digits that it was made from: 12.54, not 12.539999961853027.
+    An f32 has the digits from which it was made: 12.54, not 12.539999961853027.
     """
     kind = quantity.type
     if isinstance(value, IntEnum):

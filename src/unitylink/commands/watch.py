@@ -44,7 +44,9 @@ def command(
     changes: bool,
     as_json: bool,
 ) -> None:
-    """Watch items, in a live table on a terminal, else with one line for each sample. Ctrl-C ends it.
+    """Watch items.
+
+    A terminal shows a live table, anything else gets one line for each sample. Ctrl-C ends it.
 
     The gateware sends items with PUBLISH in the spec at their own rate. The others are read at --rate. NAME
     is as for `read`. Without a NAME all READ items of the spec are watched. Times are seconds since the
@@ -56,14 +58,14 @@ def command(
       unitylink watch serial:/dev/ttyUSB0 --spec arm.ul '*.position' --duration 10 > log.txt
       unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
     """
-    live = terminal() and not as_json  # a table, which shows what goes wrong itself
+    live = terminal() and not as_json  # a table shows by itself what goes wrong
     with ended_by_signals(), open_target(link, spec_file, quiet=live) as target:
         items = sampled_items(target, names, "watch")
         from .sampler import Sampler
 
         sampler = Sampler(target.link, items, rate_hz, hold_s=0.0 if live else _HOLD_S)
         lines = _Lines(sampler, items, as_json, changes)
-        with sampler, suppress(KeyboardInterrupt):  # the usual end
+        with sampler, suppress(KeyboardInterrupt):  # the usual way to end it
             samples = sampler.samples(count, duration_s)
             if live:
                 from .live_table import show
@@ -80,7 +82,7 @@ def command(
 
 
 class _Lines:
-    """Prints samples, one a line."""
+    """Prints samples, one in each line."""
 
     def __init__(self, sampler: Sampler, items: Sequence[Item], as_json: bool, changes: bool) -> None:
         self.sampler = sampler

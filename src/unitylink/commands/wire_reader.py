@@ -15,19 +15,19 @@ from .value_text import shown
 def wire_reader(
     names: Names, *, address_bytes: int | None = None, data_bytes: int | None = None
 ) -> MessageReader:
-    """Return a reader that calls words by their names and shows engineering values with their units."""
+    """Return a reader that gives words their names, and shows engineering values with their units."""
     elements = {element.address: (name, element) for name, element in names.elements.items()}
     codecs: dict[tuple[int, int], Codec] = {}
 
     def show(address: int, word: int) -> str:
         _, element = elements.get(address, ("", None))
-        if element is None or element.words > 1:  # half a value says nothing
+        if element is None or element.words > 1:  # half a value has no meaning
             return f"0x{word:x}"
         bits = 8 * (reader.data_bytes or 4)
         codec = codecs.get((address, bits)) or codecs.setdefault((address, bits), _codec(element, bits))
         try:
             text = shown(codec.decode(word), codec.quantity)
-        except UnityLinkError:  # a number its type does not have
+        except UnityLinkError:  # the number is invalid for its type
             return f"0x{word:x}"
         return f"{text} {element.unit}" if element.unit else text
 

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 @spec_option
 @json_option("what was written")
 def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_json: bool) -> None:
-    """Write items. Several in one go take effect together if the hardware can do that.
+    """Write items. Several writes in one go take effect together if the hardware can do that.
 
-    NAME is a WRITE item of the spec, a group or pattern of them (all get VALUE), or a word address such as
-    0x8C. An address is written after the named items, as a raw unsigned word and without a commit.
+    NAME is a WRITE item of the spec, a group or pattern of such items (all get VALUE), or a word address such
+    as 0x8C. An address is written after the named items, as a raw unsigned word and without a commit.
 
-    VALUE is in the unit of the spec, or has another unit that measures the same: 30, -0.5, 0x1E, 30deg. It
-    can also be the name of an enumeration's member, true or false, or {ready=1, mode=run} for packed values.
-    A PULSE is written once, a W1C clears the given flags. Every value is checked against its item's range
+    VALUE is in the unit of the spec, or in another unit of the same quantity: 30, -0.5, 0x1E, 30deg. It can
+    also be the name of an enumeration's member, true or false, or {ready=1, mode=run} for packed values. A
+    PULSE is written once, a W1C clears the given flags. Every value is checked against its item's range
     before anything is sent.
 
     \b
@@ -61,8 +61,10 @@ def _split(assignment: str) -> tuple[str, str]:
 
 
 def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item, Any]]:
-    """Return (item, value) in the order of the command line. Refuse READ items and an item that is given
-    twice."""
+    """Return (item, value) in the order of the command line.
+
+    Refuse READ items, and an item that is given twice.
+    """
     wanted: dict[str, tuple[Item, Any]] = {}
     for word, text in parsed:
         for item in names.find([word]):
@@ -78,8 +80,10 @@ def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item
 
 
 def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> dict[str, Any]:
-    """Write, and return by name the values of the device now, which are the nearest that its words can
-    hold."""
+    """Write the values.
+
+    Return, by name, the values that the device has now. They are the nearest that its words can hold.
+    """
     from unitylink.errors import ValueRangeError
     from unitylink.layer4_data import ClearValue, PulseValue, ValueGroup, load_spec_objects
 
@@ -95,11 +99,12 @@ def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> dict[str, Any]
             limit = (1 << configuration.data_bits) - 1
             raise ValueRangeError(f"{item.name}: {value} is not in 0 to {limit}; nothing was sent")
     if named and target.spec is not None:
-        # The whole tree: a TosNet proxy has to know all outputs of the spec to commit some of them.
+        # The whole tree, because a TosNet proxy must know all outputs of the spec to commit some of them.
         tree = load_spec_objects(target.spec, target.link)
         values = {value.path: value for value in tree if value.path in named}
         for path, value in values.items():
-            sent[path] = value.codec.decode(value.codec.encode(named[path]))  # all before anything is sent
+            # all are encoded before anything is sent
+            sent[path] = value.codec.decode(value.codec.encode(named[path]))
         kept = {path: value for path, value in values.items() if value.writable}
         if kept:
             ValueGroup(kept, "write").write({path: named[path] for path in kept})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""connect(url): a Link to whatever a URL names; open_driver(url): the bytes alone."""
+"""connect(url) opens a Link to whatever a URL names. open_driver(url) opens only its bytes."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
-    The link speaks the framed protocol if the device knows it. It falls back to the classic one if the device
-    answers eight classic questions and no HELLO (`link.protocol`, and `link.notice`, which is logged). Then a
-    PULSE or a value with SAFE is a DeviceMismatch, unless the URL says `protocol=classic`.
+    The link speaks the framed protocol if the device knows it. If the device answers eight classic questions
+    and no HELLO, it falls back to the classic protocol (`link.protocol`, and `link.notice`, which is logged).
+    Then a PULSE or a value with SAFE raises DeviceMismatch, unless the URL has `protocol=classic`.
 
-    Options: `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its outputs
-    safe), `spec_hash=HEX` (DeviceMismatch if the gateware has another wire hash) or `spec_hash=any` (objects
-    are made although the gateware was built from another spec, which is logged).
+    Options: `protocol=auto|classic|framed`; `deadman=SECONDS` (of silence until the device makes its outputs
+    safe); `spec_hash=HEX` (raises DeviceMismatch if the gateware has another wire hash), or `spec_hash=any`
+    (objects are made even if the gateware was built from another spec, which is logged).
 
-    With `reconnect=1` in the URL, or `reconnect=True`, a line that is lost or silent is opened again, and
-    subscriptions go on (`Link.on_event`, `Link.wait_up`). Requests meanwhile are LinkDown at once. With
-    `wait=SECONDS` reads wait that long instead. This is not for `fd:` and `mmap:`. `reconnect="auto"` does so
-    if the URL does not say otherwise and names hardware that allows it.
+    With `reconnect=1` in the URL, or `reconnect=True`, a lost or silent line is opened again, and
+    subscriptions go on (`Link.on_event`, `Link.wait_up`). Meanwhile, requests raise LinkDown at once. With
+    `wait=SECONDS` reads wait that long instead. This is not for `fd:` and `mmap:`. `reconnect="auto"` does
+    the same, if the URL says nothing else and names hardware that allows it.
 
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. All others have
     `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's buffers),
     `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`, or `none` for gateware without checksums, which
     never gets a `$`), `window=64`, `gateware=auto|2012|corrected`, `trace=FILE` (a capture of all bytes, for
-    `unitylink decode` and Wireshark). For gateware without RLC also `address_bytes= data_bytes= read_many=
-    publish_mode= base_hz= groups= group_size= rate_bytes=`.
+    `unitylink decode` and Wireshark). For gateware without RLC, there are also
+    `address_bytes= data_bytes= read_many= publish_mode= base_hz= groups= group_size= rate_bytes=`.
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
@@ -80,7 +80,7 @@ def _with_reconnect(url: str, reconnect: bool) -> str:
 
 @contextmanager
 def open_driver(url: str) -> Iterator[Driver]:
-    """Open the bytes of what `url` names, for callers with a protocol of their own. The `with` closes it.
+    """Open the bytes of what `url` names, for callers with their own protocol. The `with` closes it.
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout.
     """

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The schemes of link URLs: one table that `connect`, the command line and their help texts read.
+"""The schemes of link URLs. `connect`, the command line and their help texts read this one table.
 
 Its first rows are those of the native core (`native/src/layer0_driver/schemes.cpp`). A scheme that is made in
-Python has its row here, with a function that makes what the URL names and returns the driver URL that reaches
-it. CONTRIBUTING.md has the steps.
+Python has its row here. Its function makes what the URL names, and returns the driver URL that reaches it.
+CONTRIBUTING.md has the steps.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from unitylink.errors import UrlError
 
 
 class Device(Protocol):
-    """What a scheme makes. It is closed after the link."""
+    """The device that a scheme makes. It is closed after the link."""
 
     def close(self) -> None: ...
 
@@ -26,10 +26,10 @@ class Device(Protocol):
 class Scheme:
     """One way to a device. `form` is an example of its URLs. `what` says in a few words where it leads.
 
-    `make` returns what the URL names, and the URL under which the native core reaches that. None: the core
-    opens the URL itself. `virtual`: the URL names a spec, and there is no port and no hardware. `stream`:
-    bytes go there. Otherwise layer 2 reaches the registers itself, without a protocol. `once`: it cannot be
-    opened a second time.
+    `make` returns what the URL names, and the URL under which the native core reaches that. With None, the
+    core opens the URL itself. `virtual` means that the URL names a spec, and that there is no port and no
+    hardware. `stream` means that the device takes a stream of bytes. Otherwise layer 2 reaches the registers
+    itself, without a protocol. `once` means that it cannot be opened a second time.
     """
 
     name: str
@@ -42,13 +42,15 @@ class Scheme:
 
     @property
     def lasting(self) -> bool:
-        """Whether `reconnect="auto"` opens a lost line again: not for a virtual board, which is never
-        unplugged."""
+        """Whether `reconnect="auto"` opens a lost line again.
+
+        It does not for a virtual board, which is never unplugged.
+        """
         return self.stream and not self.once and not self.virtual
 
 
 def _simulated(url: str) -> tuple[Device, str]:
-    from unitylink.simulate import simulated_board  # here: it loads the twin and the plants
+    from unitylink.simulate import simulated_board  # imported here, because it loads the twin and the plants
 
     return simulated_board(url)
 
@@ -64,7 +66,7 @@ SCHEMES = {
 
 
 def scheme_of(url: str) -> Scheme:
-    """Return the scheme of a link URL. If it has none, UrlError lists all forms.
+    """Return the scheme of a link URL. Raises UrlError, which lists all forms, if it has no known scheme.
 
     >>> scheme_of("tcp://192.168.1.10:5555?crc=1").what
     'a board on the network, or `unitylink simulate`'
@@ -72,7 +74,7 @@ def scheme_of(url: str) -> Scheme:
     name, colon, _ = url.partition(":")
     try:
         whole = b"\0" not in url.encode()
-    except UnicodeEncodeError:  # a word of a command line that is not UTF-8
+    except UnicodeEncodeError:  # a word of the command line is not UTF-8
         whole = False
     if not whole:
         raise UrlError(f"link URL {url!r}: it is not UTF-8, or contains a NUL")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The FPGA half as Python sees it: where its VHDL is, and the netlist GHDL makes of it."""
+"""The FPGA half as Python sees it: the place of its VHDL, and the netlist that GHDL makes of it."""
 
 from __future__ import annotations
 

@@ -19,16 +19,16 @@ from .netlist import netlist
 from .programs import map_cells
 from .sources import gateware_sources
 
-# Checks of a simulation. A chip has none, and yosys does not read them.
+# Checks that are for a simulation. A chip has none of them, and yosys does not read them.
 _ASSERTION = re.compile(r"^  always @\*\n    if \(!\w+\)\n      \$fatal\(1, \"[^\"]*\"\);\n", re.MULTILINE)
 _USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOLDER FILE.vhd ..."
 
 
 def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[Path]:
-    """Do `target` with the entity `top` of `sources` and of the gateware. Return the files made in `folder`.
+    """Do `target` for the entity `top`, with `sources` and the gateware. Return the files made in `folder`.
 
-    "check" analyses all and elaborates `top`, "verilog" makes TOP.v, and a family of yosys (ice40, ecp5,
-    gowin, xilinx, ...) TOP.v and TOP.json, which its place-and-route reads. Raises ToolError.
+    "check" analyses everything and elaborates `top`. "verilog" makes TOP.v. A family of yosys (ice40, ecp5,
+    gowin, xilinx, ...) makes TOP.v and TOP.json, which its place-and-route reads. Raises ToolError.
     """
     if target == "check":
         with tempfile.TemporaryDirectory(prefix="unitylink-build-") as work:

@@ -13,7 +13,7 @@ _UNIT = re.compile(r"\b(?:entity|package)\s+(\w+)\s+is\b")
 
 
 def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
-    """Return those of `sources` whose units the unit `top` needs, and its own, in order of their names.
+    """Return the files of `sources` whose units `top` needs, with the file of `top`, in order of their names.
 
     >>> from unitylink.gateware import gateware_sources
     >>> [path.name for path in needed_sources("fifo", gateware_sources())]
@@ -31,6 +31,6 @@ def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
 
 @cache
 def plain_text(path: Path) -> str:
-    """Return a VHDL file without comments, a blank for all that separates."""
+    """Return a VHDL file without comments. A blank stands for each separator."""
     text = _COMMENT.sub(lambda found: found.group(1) or "", path.read_text(encoding="utf-8"))
     return " ".join(text.split())

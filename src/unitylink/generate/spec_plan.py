@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What all artefacts of a spec share: the spec, the gateware chosen for it, and the plans made of both."""
+"""What all artefacts of a spec share: the spec, its gateware, and the plans made from both."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import Any, TypeVar, Union, cast
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
-Chosen = Union[BoardConfiguration, Mapping[str, Any], None]  # of gateware: all of it, or what differs
+# the gateware: all of it, or only the fields that differ
+Chosen = Union[BoardConfiguration, Mapping[str, Any], None]
 R = TypeVar("R")
 
 
 class SpecPlan:
-    """A spec on its way to files. Each plan is made at its first use, and handed to every artefact after it.
+    """A spec on its way to files. Each plan is made at its first use, and later artefacts get the same one.
 
-    `configuration` is the gateware of the VHDL, or the fields that differ from those of the spec.
+    `configuration` is the gateware of the VHDL, or only the fields that differ from the spec's.
 
     >>> from unitylink.spec import compile_text
     >>> plan = SpecPlan(compile_text("public lamp() { @led = 0x10: WRITE(); }", "lamp.ul").spec)
@@ -32,7 +33,7 @@ class SpecPlan:
         self._parts: dict[Callable[[SpecPlan], Any], Any] = {}
 
     def part(self, planner: Callable[[SpecPlan], R]) -> R:
-        """Return `planner(self)`, made once. It must not be changed."""
+        """Return `planner(self)`, which is called only once. The caller must not change the result."""
         if planner not in self._parts:
             self._parts[planner] = planner(self)
         return cast(R, self._parts[planner])

@@ -24,10 +24,10 @@ _CHECKS = 1  # raised when templates are compiled in another way, so that older 
 def environment(*folders: Path) -> jinja2.Environment:
     """Return the templates of some folders. A missing name is an error, and so is an unquoted text.
 
-    A template is of the language that its name tells. What it puts into its text is code of that language, a
-    number or a name; `{{ x | text }}` and `{{ x | remark }}` quote a text, as a literal and for a comment;
-    `{{ code("({})", n) if .. }}` is code that the template itself says. Compiled templates are kept in the
-    user's cache: compiling them takes longer than filling them in.
+    The name of a template tells its language. It may insert code of this language, a number or a name.
+    `{{ x | text }}` quotes a text as a literal, and `{{ x | remark }}` quotes it for a comment.
+    `{{ code("({})", n) if .. }}` is code that the template itself contains. Compiled templates are kept in
+    the user's cache, because compiling them takes longer than filling them in.
     """
     made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders),
@@ -35,7 +35,7 @@ def environment(*folders: Path) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # a value that is not quoted is refused, and not escaped
+        autoescape=False,  # an unquoted value is refused instead of escaped
         finalize=_checked,
         bytecode_cache=_Kept(),
     )
@@ -46,7 +46,7 @@ def environment(*folders: Path) -> jinja2.Environment:
 
 @jinja2.pass_context
 def _checked(context: Context, value: Part | jinja2.Undefined) -> Part:
-    if isinstance(value, jinja2.Undefined):  # of an `if` without `else`; a missing name raises in `str`
+    if isinstance(value, jinja2.Undefined):  # from an `if` without `else`; a missing name raises in `str`
         return str(value)
     return _language(context).part(value)
 
@@ -63,7 +63,10 @@ def _remark(context: Context, text: str) -> Code:
 
 @jinja2.pass_context
 def _joined(context: Context, parts: Iterable[Part], between: str = "") -> Code:
-    """Join as jinja's own filter does, but check the parts. The text between them is the template's."""
+    """Join as jinja's own filter does, but check the parts.
+
+    The text between them comes from the template.
+    """
     return _language(context)(between).join(parts)
 
 
@@ -77,10 +80,10 @@ def _language(context: Context) -> type[Code]:
 
 
 class _Kept(jinja2.BytecodeCache):
-    """Compiled templates in files, by name and content. Without a place for them nothing is kept."""
+    """Compiled templates in files, by name and content. Without a cache folder, nothing is kept."""
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        with suppress(Exception), self._file(bucket).open("rb") as file:  # whatever a damaged file raises
+        with suppress(Exception), self._file(bucket).open("rb") as file:  # a damaged file may raise anything
             bucket.load_bytecode(file)
 
     def dump_bytecode(self, bucket: Bucket) -> None:

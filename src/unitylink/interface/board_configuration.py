@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware that a spec asks for: its settings and the slaves on its bus, virtual and in VHDL."""
+"""The gateware that a spec needs, virtual or in VHDL: its settings and the slaves on its bus."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.spec.expand.publishing import split
 from unitylink.spec.model import LINES, Instance, Link, Spec
 
-# What a design has beside what its spec needs: groups for what a program or a person subscribes to at run
-# time, and a read-many for the words that they choose.
+# What a design has beyond the needs of its spec: groups to which a program or a person subscribes at run
+# time, and a read-many for words that they choose.
 LEAST_GROUPS, SPARE_GROUPS = 4, 2
 LEAST_READ_MANY = 16
 
@@ -43,7 +43,7 @@ class TosnetConfiguration:
     """A TosNet bus slave at word address `base` and the network behind it.
 
     `master_id` is the PC's own node, `cycle_s` the network cycle. After `max_skipped_writes` cycles without a
-    commit the network halts (0: never).
+    commit, the network halts. With 0 it never does.
     """
 
     base: int = 0
@@ -61,7 +61,7 @@ class TosnetConfiguration:
 
 @dataclass(frozen=True)
 class FifoConfiguration:
-    """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's.
+    """A FIFO slave: `base`+0 is data, +1 the words that wait for the PC, +2 the room for words from the PC.
 
     Its event line drives the event input of `event_group`, one of `edge_events`. A group with the one address
     `base` then publishes each word once, as soon as it can. The event rises again if nothing has been taken
@@ -76,7 +76,7 @@ class FifoConfiguration:
 
 @dataclass(frozen=True)
 class DoubleBufferConfiguration:
-    """A double-buffered memory: `base`+0 to +size-1 the words, +size the commit."""
+    """A double-buffered memory: `base`+0 to +size-1 are the words, +size is the commit."""
 
     base: int
     size: int = 16
@@ -84,11 +84,13 @@ class DoubleBufferConfiguration:
 
 @dataclass(frozen=True)
 class BoardConfiguration(Settings):
-    """Every setting of a device (docs/settings.md), the tables of its spec, and the slaves on its bus.
+    """Every setting of a device (docs/settings.md), the tables that follow from its spec, and the slaves on
+    its bus.
 
     Widths are in bits, addresses in words. `safe_words` is what the dead-man writes: (address, word) in
-    order. At the addresses in `flag_words` a write clears bits (W1C). At those in `strobe_words` a PULSE
-    shares its word with a READ, which stays. Raises ValueRangeError for what no device can have.
+    order. At the addresses in `flag_words`, a write clears bits (W1C). At those in `strobe_words`, a PULSE
+    shares its word with a READ, which keeps its value. Raises ValueRangeError for settings that no device can
+    have.
 
     >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
     166
@@ -97,8 +99,9 @@ class BoardConfiguration(Settings):
     safe_words: tuple[tuple[int, int], ...] = ()
     flag_words: tuple[int, ...] = ()
     strobe_words: tuple[int, ...] = ()
-    bus_error_ranges: tuple[tuple[int, int], ...] = ()  # first..last address answered with a bus error
-    silent_ranges: tuple[tuple[int, int], ...] = ()  # first..last address not answered at all
+    # (first, last) addresses that are answered with a bus error
+    bus_error_ranges: tuple[tuple[int, int], ...] = ()
+    silent_ranges: tuple[tuple[int, int], ...] = ()  # (first, last) addresses that are not answered at all
     tosnet: TosnetConfiguration | None = None
     fifos: tuple[FifoConfiguration, ...] = ()
     double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
@@ -110,7 +113,7 @@ class BoardConfiguration(Settings):
         if self.protocol == "both" and (self.datalink != "full" or self.published_2012):
             # if data may be any byte, a 00 is not a border; gateware of 2012 has no frames
             object.__setattr__(self, "protocol", "classic")
-        if self.physical == "rs485":  # its tokens are not classic text
+        if self.physical == "rs485":  # the tokens of a pair are not classic text
             if self.protocol == "classic":
                 raise ValueRangeError(
                     "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
@@ -133,19 +136,22 @@ class BoardConfiguration(Settings):
 
     @property
     def byte_clocks(self) -> int:
-        """Clock cycles of one byte on the line: start, eight data and stop bit. 0 without a line."""
+        """Clock cycles of one byte on the line: start, eight data and stop bit.
+
+        It is 0 without a serial line.
+        """
         return self.clock_hz * 10 // self.baud_hz if self.baud_hz else 0
 
     @classmethod
     def for_spec(cls, spec: Spec, **overrides: Any) -> BoardConfiguration:
-        """Return the board that `spec` asks for. `overrides` are fields of this class.
+        """Return the board that `spec` needs. `overrides` are fields of this class.
 
         With a TOSNET binding it has the 11-bit map at BASE and one node for every node that the spec uses.
-        Otherwise it has plain memory, as wide as the highest address needs. The link properties of the spec
-        apply. It has two publish groups more than the spec needs and at least 4, as large as needed and at
-        least 32 words each. A classic read-many reads all of the largest device that may be read again, and
-        at least 16 words. An exchange group holds the cycle of the largest device, as far as a frame can
-        define it, and at least 30 words. Raises ValueRangeError.
+        Otherwise it has plain memory, with addresses as wide as the highest one needs. The link properties of
+        the spec apply. It has two publish groups more than the spec needs and at least 4, as large as needed
+        and at least 32 words each. A classic read-many can read everything in the largest device that may be
+        read again, and at least 16 words. An exchange group holds the cycle of the largest device, as far as
+        a frame can define it, and at least 30 words. Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -207,8 +213,8 @@ class BoardConfiguration(Settings):
         """Words that one publish can carry in either protocol."""
         if self.protocol == "classic":
             return self.group_size
-        defined = (self.request_max - 9) // self.address_bytes  # behind the head of DEFINE_GROUP
-        carried = (self.reply_max - 7) // self.data_bytes  # behind the head of a publish
+        defined = (self.request_max - 9) // self.address_bytes  # less the head of DEFINE_GROUP
+        carried = (self.reply_max - 7) // self.data_bytes  # less the head of a publish
         return min(self.group_size, defined, carried)
 
     @property
@@ -217,7 +223,7 @@ class BoardConfiguration(Settings):
         return (self.request_max - 5) // (self.address_bytes + 1)
 
     def beyond_frames(self) -> str:
-        """Return what the framed side of gateware cannot hold, and the remedy, or ""."""
+        """Return what the framed side of the gateware cannot hold, with the remedy, or ""."""
         if self.protocol == "classic":
             return ""
         if self.exchanges and self.exchange_size > self.exchange_words_most:
@@ -229,7 +235,7 @@ class BoardConfiguration(Settings):
 
 
 def _wrong(setting: Setting, value: Any) -> str:
-    """Return what is wrong with the value of a setting, and what it can be, or ""."""
+    """Return what is wrong with the value of a setting and which values are allowed, or ""."""
     name = setting.name
     if setting.type == "switch" and not isinstance(value, bool):
         return f"{name} is {value!r}; choose True or False"
@@ -265,7 +271,7 @@ def _told(link: Link) -> tuple[tuple[str, Any], ...]:
 
 
 def told_physical(spec: Spec) -> str | None:
-    """Return the physical layer of the spec's links, None if they name none or several."""
+    """Return the physical layer of the spec's links. Return None if they name none or several."""
     told = {device.link.physical for device in spec.devices}
     return told.pop() if len(told) == 1 else None
 
@@ -284,8 +290,10 @@ def _publishing_of(spec: Spec) -> dict[str, Any]:
 
 
 def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
-    """Return the FIFOs of a spec. The event of a FIFO triggers the group that is published on its
-    `arrival`."""
+    """Return the FIFOs of a spec.
+
+    The event of a FIFO triggers the group that is published on its `arrival`.
+    """
     arrivals = {
         (device.root, group.event): group.number
         for device in spec.devices
@@ -310,7 +318,10 @@ def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
 
 
 def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
-    """Return how many publish groups the spec takes. One that is too large for a publish takes several."""
+    """Return how many publish groups the spec needs.
+
+    A group that is too large for one publish needs several.
+    """
     most = board.publish_words
     needed = [
         sum(len(split(group.elements, lambda element: element.words, most)) for group in device.groups)
@@ -321,26 +332,33 @@ def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
 
 
 def _read_many_of(spec: Spec) -> int:
-    """Return the words of a classic read-many: all that may be read again of the largest device, so that one
-    request can read it at one moment, as far as a request can say it."""
+    """Return the words of a classic read-many.
+
+    It can read, at one moment, everything in the largest device that may be read again, up to the protocol's
+    limit.
+    """
     words = [sum(e.words for e in root.walk() if e.pollable) for root in spec.roots]
     return min(max([LEAST_READ_MANY, *words]), READ_MANY_MAX)
 
 
 def _exchange_size_of(spec: Spec, board: BoardConfiguration) -> int:
-    """Return the words of an exchange group: the largest cycle of the spec, as far as a frame can define
-    it."""
+    """Return the words of an exchange group.
+
+    It holds the largest cycle of the spec, as far as a frame can define it.
+    """
     cycle = max((_cycle_words(root) for root in spec.roots), default=0)
     return min(max(board.exchange_size, cycle), board.exchange_words_most)
 
 
 def _cycle_words(root: Instance) -> int:
-    """Return the words of a control cycle of `root`: all that it writes and all that may be read again."""
+    """Return the words of a control cycle of `root`: everything that it writes, and everything that may be
+    read again.
+    """
     return sum(element.words * (element.pollable + element.writable) for element in root.walk())
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:
-    """Find the network that a spec needs: its nodes, and which of them is the PC's."""
+    """Return the network that a spec needs: its nodes, and which of them is the PC's."""
     bound = [element for _, element in spec.walk() if element.link.kind == "tosnet"]
     bases = sorted({element.link.base for element in bound})
     if len(bases) > 1:

@@ -9,10 +9,10 @@ from unitylink.values import Codec, Quantity
 
 
 def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
-    """Return (address, word) in the order in which they are written, low words first.
+    """Return (address, word) in the order in which they are written. The low words of a value come first.
 
     The commit of a TosNet or double-buffered memory follows its words. Such a memory swaps and does not copy.
-    So after the commit a word without a safe value is what it was two commits before.
+    So after the commit, a word without a SAFE value has its value of two commits before.
 
     >>> from unitylink.spec import parse_spec
     >>> spec = parse_spec("pub robot(root) { power: u32 WRITE SAFE 7 @ 0x10; }")  # doctest: +SKIP
@@ -25,7 +25,7 @@ def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
         if element.safe is None or not element.writable:
             continue
         codec = Codec(path, Quantity.of(element), data_bits)
-        # on a bus narrower than the spec's a value is cut to its words, as its initial value is
+        # on a bus narrower than the spec's, a value is cut to its words, like its initial value
         words += zip(element.addresses, codec.split(codec.encode(element.safe)), strict=False)
         committed[element.link] = None
     return (*words, *((address, 0) for link in committed if (address := _commit(link)) is not None))

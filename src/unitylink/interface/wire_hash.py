@@ -16,12 +16,12 @@ _FORMAT = "unity-link wire 2"  # changes whenever the lines below change their f
 def wire_hash(spec: Spec) -> int:
     """Return a 64-bit hash over every part of `spec` whose difference could move the wrong joint.
 
-    For every value these are its name with those of the parts around it, addresses, access, type with fields
-    and members, unit, scale, limits, initial and safe values, the hardware behind it, and the event line that
-    publishes it. Harmless parts do not count: comments, annotations, display names, names of types and
-    constructors, the order in the file, and publish rates (the program asks for its own). The width of the
-    bus does not count either, because the device tells it. The hash is never 0, which means that a device
-    knows no spec.
+    For every value, the hash covers its name with the names of the parts around it, addresses, access, type
+    with fields and members, unit, scale, limits, initial and SAFE values, the hardware behind it, and the
+    event line that publishes it. Harmless parts do not count: comments, annotations, display names, names of
+    types and constructors, the order in the file, and publish rates (the program asks for its own). The width
+    of the bus does not count either, because the device tells it. The hash is never 0, because 0 means that a
+    device knows no spec.
 
     >>> spec = unitylink.spec.load("scara.ul")  # doctest: +SKIP
     >>> f"{wire_hash(spec):016x}"  # doctest: +SKIP
@@ -38,10 +38,11 @@ def wire_hash(spec: Spec) -> int:
 
 
 def wire_hashes(spec: Spec, root: str, *comms: str | None) -> tuple[int, ...]:
-    """Return the hashes of gateware with all that the public constructor `root` reaches through `comms`.
+    """Return the hashes of gateware for everything that the public constructor `root` reaches through
+    `comms`.
 
-    Without `comms` that is the whole constructor. Gateware may be built from the whole spec, from the
-    constructor alone, or from the part behind a link. For example, two arms are two boards, each behind a
+    Without `comms` this is the whole constructor. Gateware may be built from the whole spec, from the
+    constructor alone, or from the part behind one link. For example, two arms are two boards, each behind a
     link of its own.
     """
     wanted = {(d.root, d.comm) for d in spec.devices if d.root == root and (not comms or d.comm in comms)}
@@ -50,7 +51,9 @@ def wire_hashes(spec: Spec, root: str, *comms: str | None) -> tuple[int, ...]:
 
 
 def part_behind(link: Asked, spec: Spec) -> Spec:
-    """Return the part of `spec` that the gateware behind `link` was built from. All if it cannot tell.
+    """Return the part of `spec` from which the gateware behind `link` was built.
+
+    Return all of it if the gateware cannot tell.
 
     Raises DeviceMismatch if it was built from another spec.
     """
@@ -75,7 +78,7 @@ class Asked(Protocol):
 
 
 def _parts(spec: Spec) -> list[Spec]:
-    """Return the specs that gateware may be built from, the whole one first."""
+    """Return the specs from which gateware may be built, with the whole one first."""
     roots = [spec.only(root.name) for root in spec.roots] if len(spec.roots) > 1 else []
     boards = spec.boards if len(spec.boards) > 1 else ()
     return [spec, *boards, *roots]
@@ -91,7 +94,7 @@ def _element(name: str, element: Element) -> str:
 
 
 def _type(kind: ValueType) -> str:
-    """Return all of a type except its name."""
+    """Return everything about a type except its name."""
     if kind.bus:
         return "signed" if kind.signed else "unsigned"
     if kind.enum is not None:

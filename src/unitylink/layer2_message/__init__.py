@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Layer 2: requests and publishes as words at addresses, with all that can go wrong between.
+"""Layer 2: requests and publishes as words at addresses. It handles everything that can go wrong on the way.
 
     from unitylink import connect
 

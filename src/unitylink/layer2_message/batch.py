@@ -25,7 +25,7 @@ class Pending:
 
     @property
     def value(self) -> int:
-        """The word. RuntimeError before the batch has ended, or if it failed."""
+        """The word. Raises RuntimeError before the batch has ended, or if it failed."""
         if self._value is None:
             raise RuntimeError(
                 f"the batch has not read 0x{self.address:x} yet: it reads at the end of its with block"
@@ -40,16 +40,16 @@ class Batch:
     """Collects operations, and does them in their order at the end of its `with` block.
 
     On a framed link it takes one message each way if the device's buffers allow that, or else several. Each
-    operation is executed once, or OutcomeUnknown says that the device was reset. Nothing is sent if the block
-    raises. On a classic link they are reads and writes one after the other. Those of other threads may come
-    between.
+    operation is executed once. If the device was reset, OutcomeUnknown is raised. Nothing is sent if the
+    block raises. On a classic link, they are reads and writes one after another. Requests of other threads
+    may come between them.
     """
 
     def __init__(self, engine: NativeLink, *, atomic: bool = False) -> None:
         """Made by Link.batch."""
         self._engine = engine
         self._atomic = atomic
-        self._steps: list[tuple[int, int, int, int]] = []  # operation, address, value, mask
+        self._steps: list[tuple[int, int, int, int]] = []  # (operation, address, value, mask)
         self._reads: list[Pending] = []
 
     def read(self, address: int) -> Pending:
@@ -61,7 +61,7 @@ class Batch:
         return [self.read(address) for address in addresses]
 
     def read_fifo(self, address: int, count: int) -> list[Pending]:
-        """Read `address` several times, as a FIFO is read. No word is lost or taken twice."""
+        """Read `address` several times, as for a FIFO. No word is lost or taken twice."""
         return [self._read(p.LIST_OPERATION_READ_FIFO, address) for _ in range(count)]
 
     def write(self, address: int, value: int) -> None:
@@ -78,7 +78,7 @@ class Batch:
         self._steps += [(p.LIST_OPERATION_WRITE_FIFO, address, value, 0) for value in values]
 
     def write_masked(self, address: int, mask: int, value: int) -> None:
-        """Write the bits of `value` that are set in `mask`. The others stay as the device has them."""
+        """Write only the bits of `value` that are set in `mask`. The device keeps its other bits."""
         self._steps.append((p.LIST_OPERATION_WRITE_MASKED, address, value, mask))
 
     def add(self, address: int, value: int) -> None:

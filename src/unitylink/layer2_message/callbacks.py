@@ -24,29 +24,29 @@ _here = threading.local()
 
 
 def called_back() -> bool:
-    """Whether this is within a callback, of any link."""
+    """Whether this code runs in a callback, of any link."""
     return getattr(_here, "calls", False)
 
 
 class Deliverable(Protocol):
     """A subscription, as the callback thread sees it."""
 
-    gather_s: float  # how long a publish may wait; inf: as long as the others
+    gather_s: float  # how long a publish may wait; inf sets no limit of its own
     told: int  # number of calls begun
 
     @property
     def ended(self) -> bool:
-        """Whether nothing will come any more."""
+        """Whether nothing more will come."""
 
     def deliver(self) -> None:
         """Fetch the publishes that have come, and call back for each."""
 
     def hush(self) -> None:
-        """Call back no more."""
+        """Call the callback no more."""
 
 
 class CallbackThread:
-    """One thread per link that calls callbacks; it lives while a subscription has one."""
+    """The thread of a link that calls callbacks. It exists while a subscription has a callback."""
 
     def __init__(self, native: NativeLink) -> None:
         self._native = native
@@ -70,7 +70,7 @@ class CallbackThread:
     def finish(self, subscription: Deliverable) -> None:
         """Wait until the callback has had every publish of a subscription that has ended.
 
-        A call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        A call that takes longer than STUCK_S is not waited for. It gives a RuntimeWarning.
         """
         self._wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
 
@@ -81,9 +81,11 @@ class CallbackThread:
         self._thread = None
 
     def stop(self) -> None:
-        """Wait until the callbacks have had all that came before the link ended. In a callback, end with it.
+        """Wait until the callbacks have had everything that came before the link ended.
 
-        A call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        Within a callback, let the thread end after it instead.
+
+        A call that takes longer than STUCK_S is not waited for. It gives a RuntimeWarning.
         """
         thread = self._thread
         if thread is threading.current_thread():
@@ -97,9 +99,9 @@ class CallbackThread:
                     subscription.hush()
 
     def _wait_for(self, done: Callable[[], bool]) -> bool:
-        """Wait while callbacks return. If one does not, warn and return False."""
+        """Wait as long as callbacks return. If one does not return, warn and return False."""
         with self._changed:
-            self._changed.notify_all()  # the thread may be idle
+            self._changed.notify_all()  # the thread may have nothing to do
             before = -1
             while not self._changed.wait_for(done, STUCK_S):
                 told = sum(subscription.told for subscription in self._subscriptions)
@@ -131,15 +133,15 @@ class CallbackThread:
     def _serve(self) -> None:
         seen = 0
         for subscription in self._subscriptions:
-            subscription.deliver()  # what is called first, because no publish wakes the thread for it
+            subscription.deliver()  # called first, because no publish wakes the thread for it
         while True:
             before, seen = seen, self._native.wait_publishes(seen, _PATIENCE_NS)
-            over = seen == before and self._native.closed  # with news at the end there is one more turn
+            over = seen == before and self._native.closed  # after news at the end, there is one more round
             subscriptions = self._subscriptions
             for subscription in subscriptions:
                 subscription.deliver()
             for subscription in [each for each in subscriptions if each.ended]:
-                subscription.deliver()  # it has ended, so no more can come
+                subscription.deliver()  # the subscription has ended, so nothing more can come
                 self.remove(subscription)
             rest_s = self._rest_s()
             if over or rest_s or not self._subscriptions:
@@ -154,4 +156,4 @@ class CallbackThread:
         return 0.0 if shortest == inf else shortest
 
     def _rest(self, most_s: float) -> None:
-        self._changed.wait(most_s)  # closing a subscription ends it
+        self._changed.wait(most_s)  # closing a subscription wakes this wait

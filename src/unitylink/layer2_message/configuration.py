@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a device says about itself, and what a link has counted."""
+"""What a device reports about itself, and what a link has counted."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Configuration:
-    """What the device says about itself: widths, groups, publishing. If it cannot, the URL says it."""
+    """What the device reports about itself: widths, groups, publishing.
+
+    If the device cannot report it, the URL gives it.
+    """
 
     address_bytes: int
     data_bytes: int

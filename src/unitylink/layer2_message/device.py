@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a framed device says about itself: its description, its counters, its clock."""
+"""What a framed device reports about itself: its description, its counters, its clock."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _log = logging.getLogger("unitylink.link")
 
 @dataclass(frozen=True)
 class Description:
-    """What the gateware says it is (docs/protocol.md, section 6)."""
+    """What the gateware reports about itself (docs/protocol.md, section 6)."""
 
     version: int
     """Version of the protocol: major in the upper half, minor in the lower."""
@@ -72,7 +72,7 @@ class Health:
 
     @classmethod
     def count(cls) -> int:
-        """The number of counters. Each is one register, in the order of the fields."""
+        """The number of counters. Each counter is one register, in the order of the fields."""
         return len(fields(cls))
 
 
@@ -89,7 +89,7 @@ class DeadMan:
 
 @dataclass(frozen=True)
 class Clock:
-    """The device's clock in the host's time, fitted to readings of that clock."""
+    """The device's clock converted to the host's time, by a line through readings of that clock."""
 
     period_ns: float
     """The duration of one clock of the device, by the host's clock."""
@@ -100,16 +100,17 @@ class Clock:
 
 
 def told_notice(engine: NativeLink, url: str) -> str:
-    """Return why `engine` speaks the classic protocol although nobody asked for it, and warn."""
+    """Return why `engine` speaks the classic protocol without a request for it, and warn."""
     if engine.notice:
         _log.warning("%s: %s", url, engine.notice)
     return engine.notice
 
 
 def checked_spec(engine: NativeLink, url: str, spec: str, hashes: Sequence[int]) -> str:
-    """Return why it is unknown whether the gateware was built from `spec`, which has one of `hashes`.
+    """Check that the gateware was built from `spec`, which has one of `hashes`. Return why this is unknown.
 
-    Return "" if it was. If it was not, raise DeviceMismatch, or with `spec_hash=any` in the URL log it.
+    Return "" if it was built from it. If it was not, raise DeviceMismatch. With `spec_hash=any` in the URL,
+    only log it.
     """
     try:
         unverified = engine.check_spec(spec, hashes)

@@ -19,7 +19,7 @@ _log = logging.getLogger("unitylink.link")
 
 @dataclass(frozen=True)
 class LinkEvent:
-    """Something has happened to a link: `lost`, then `restarted` if the device was, then `back`.
+    """An event of a link: `lost`, then `restarted` if the device was restarted, then `back`.
 
     `restarted` comes alone if the device was reset and its line stayed.
     """
@@ -45,7 +45,7 @@ class EventListener:
     def __init__(self, native: NativeLink, callback: EventCallback) -> None:
         self._native, self._callback = native, callback
         self._next = native.events(0)[1]
-        self.gather_s = inf  # as long as the others, because events are rare
+        self.gather_s = inf  # no limit of its own, because events are rare
         self.told = 0
 
     def deliver(self) -> None:
@@ -56,11 +56,11 @@ class EventListener:
             self.told += 1
             try:
                 self._callback(LinkEvent(*row))
-            except BaseException:  # sys.exit() too, or it would end the subscriptions
+            except BaseException:  # sys.exit() too, which would otherwise end the subscriptions
                 _log.exception("the callback %r of an event failed; the events go on", self._callback)
 
     def hush(self) -> None:
-        """Call back no more."""
+        """Call the callback no more."""
         self.ended = True
 
 

@@ -23,7 +23,7 @@ Word = Union[int, tuple[int, int]]
 class ExchangeGroup:
     """Outputs and inputs that are written and read in one message each way, with the bus held.
 
-    Made by `Link.exchange_group`. After a reset of the device it is defined again by itself.
+    Made by `Link.exchange_group`. After a reset of the device, the link defines it again by itself.
 
     >>> with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:    # doctest: +SKIP
     ...     position, = group.exchange([1000, 1])
@@ -49,8 +49,8 @@ class ExchangeGroup:
     ) -> Words:
         """Write `words`, one for each of `writes`. Then return the words of `reads`.
 
-        Raises ValueRangeError for a wrong number of words, or a word beyond its bytes. Raises OutcomeUnknown
-        if the device was reset meanwhile, and DeadManTripped.
+        Raises ValueRangeError for a wrong number of words, or for a word that is too large for its bytes.
+        Raises OutcomeUnknown if the device was reset meanwhile, or DeadManTripped.
         """
         return self._engine.exchange(self._id, words, len(self.reads), timeout_s)
 

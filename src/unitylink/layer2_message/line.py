@@ -22,37 +22,40 @@ class Line:
 
     @property
     def up(self) -> bool:
-        """Whether requests are taken: not while the line is gone (`reconnect=1`), and not after the end."""
+        """Whether requests are accepted.
+
+        They are not while the line is gone (`reconnect=1`), nor after the end.
+        """
         return not self._native.closed and not self._native.trouble
 
     @property
     def trouble(self) -> str:
-        """Why the line is gone, and why the last try to open it failed. "" while it is up."""
+        """Why the line is gone, and why the last try to open it failed. It is "" while the line is up."""
         return self._native.trouble
 
     def wait_up(self, timeout_s: float) -> bool:
-        """Wait until requests are taken. Return False if the line is still gone after `timeout_s`.
+        """Wait until requests are accepted. Return False if the line is still gone after `timeout_s`.
 
-        Raises LinkClosed if the link has ended, DeviceMismatch if another device answered.
+        Raises LinkClosed if the link has ended, or DeviceMismatch if another device answered.
         """
         return self._native.wait_up(timeout_s)
 
     @property
     def generation(self) -> int:
-        """A number that changes when the device may no longer hold what was written to it.
+        """A number that changes whenever the device may have lost what was written to it.
 
         It changes after each restart of the device, and each time a lost line has come back.
         """
         return self._native.generation
 
     def watch_program(self, patience_s: float) -> None:
-        """From now on give the line up if `alive` is not called for `patience_s`. 0: never.
+        """From now on, give up the line if `alive` is not called for `patience_s`. 0: never.
 
         The link gives signs of life to the dead-man as long as the process exists, even if the program hangs.
         After this call it does so only while the program works. If `alive` is not called, the line is given
-        up as if it were lost. Nothing goes to the device, and a running dead-man trips. With `reconnect=1`
-        the line comes back when `alive` is called again, otherwise the link ends. Raises ValueRangeError
-        beyond 3600 s.
+        up as if it were lost. Nothing goes to the device, and a running dead-man trips. With `reconnect=1`,
+        the line comes back when `alive` is called again. Otherwise the link ends. Raises ValueRangeError for
+        more than 3600 s.
 
             link.watch_program(0.5)
             while running:

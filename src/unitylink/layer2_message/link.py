@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 class Link(Line):
     """A connection to one device. Every method may be called from any thread.
 
-    `checked` asks for a checksum (None: the link's default, URL option `crc`). `repeat` says that sending the
-    request twice does no harm. `timeout_s` is per attempt. Errors are the `LinkError` branch of
-    `unitylink.errors`. A `ValueRangeError` comes before anything is sent.
+    `checked` asks for a checksum. None means the default of the link, which is the URL option `crc`. `repeat`
+    says that sending the request twice does no harm. `timeout_s` counts for each attempt. Errors are the
+    `LinkError` branch of `unitylink.errors`. A `ValueRangeError` comes before anything is sent.
     """
 
     url: str
@@ -48,7 +48,7 @@ class Link(Line):
     """What the gateware says about itself. None on a classic link."""
     unverified: str
     """Why it is unknown whether the gateware was built from this program's spec. Empty if it was."""
-    _unclosed = False  # while it must still be closed, whatever happened to the port
+    _unclosed = False  # true while the link must still be closed, whatever happened to the port
 
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device, and ask for its configuration."""
@@ -56,7 +56,7 @@ class Link(Line):
         self._warned = ""
         self._warn()
         self.url = url
-        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link; its maker sets it
+        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, set by whoever makes it
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
         self.protocol = self._native.protocol
@@ -95,7 +95,7 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `value` to `address`. It is done when this returns.
+        """Write `value` to `address`. It has been done when this returns.
 
         Raises OutcomeUnknown if the reply was lost and the write may not be repeated.
         """
@@ -114,8 +114,8 @@ class Link(Line):
     ) -> Words:
         """Return the words at `addresses` (uint32, same order), in as few messages as the device allows.
 
-        With `atomic` they come from one message, read under one bus lock. DeviceMismatch if they are too
-        many.
+        With `atomic` they come from one message, and the bus is held while they are read. Raises
+        DeviceMismatch if there are too many of them.
         """
         return self._native.read_many(addresses, atomic, checked, repeat, timeout_s)
 
@@ -127,7 +127,10 @@ class Link(Line):
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> Words:
-        """Return the words at `addresses`, one request each, as many at once as `fifo` and `window` allow."""
+        """Return the words at `addresses`, with one request each.
+
+        As many are under way as `fifo` and `window` allow.
+        """
         return self._native.read_each(addresses, checked, repeat, timeout_s)
 
     def write_many(
@@ -139,7 +142,7 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `values` to `addresses` in order. After a failure no further one is sent."""
+        """Write `values` to `addresses` in order. After a failure, no further word is sent."""
         self._native.write_many(addresses, values, checked, repeat, timeout_s)
 
     def exchange(
@@ -150,22 +153,23 @@ class Link(Line):
         atomic: bool = False,
         timeout_s: float | None = None,
     ) -> Words:
-        """Do `writes` (address, value), then `reads`, and return the words read.
+        """Do `writes` (address, value), then `reads`. Return the words that were read.
 
         On a framed link it takes one message each way if the device's buffers allow that, and is executed
-        exactly once. On a classic link it is write_many and read_many. `atomic` holds the bus from the first
-        word to the last, or raises DeviceMismatch. OutcomeUnknown: the device was reset meanwhile.
+        exactly once. On a classic link it is write_many, then read_many. `atomic` holds the bus from the
+        first word to the last, or raises DeviceMismatch. Raises OutcomeUnknown if the device was reset
+        meanwhile.
 
             link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
         """
         return self._native.transfer(writes, reads, atomic, timeout_s)
 
     def exchange_group(self, writes: Sequence[Word] = (), reads: Sequence[Word] = ()) -> ExchangeGroup:
-        """Name words that are written and read together many times, as addresses or (address, bytes).
+        """Name words that are often written and read together, as addresses or as (address, bytes).
 
-        Then only data travels: a few bytes write all outputs and bring all inputs, in one transaction of the
-        bus. On a classic link it is write_many and read_many. Raises DeviceMismatch if the device has no
-        exchange groups, none left, or none so large.
+        Then only data travels. A few bytes write all outputs and read all inputs, in one transaction of the
+        bus. On a classic link it is write_many, then read_many. Raises DeviceMismatch if the device has no
+        exchange groups, no free one, or none that is large enough.
 
             with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:
                 (position,) = group.exchange([1000, 1])
@@ -176,8 +180,8 @@ class Link(Line):
         """Return a context manager that collects operations and does them in order at its end.
 
         `atomic` holds the bus from first to last, in one message, or raises DeviceMismatch. No operation of a
-        message begins before all of it has been checked. An operation finds what those before it have
-        written. All else that an atomic batch reads is of one moment, if the gateware freezes its registers
+        message begins before all of it has been checked. An operation sees what those before it have written.
+        All other words that an atomic batch reads are of one moment, if the gateware freezes its registers
         while the bus is held.
 
             with link.batch() as batch:
@@ -289,11 +293,12 @@ class Link(Line):
     ) -> Subscription:
         """Let the device publish the words at `addresses` together.
 
-        It does so every `divisor` base periods, or with `on_event` when the group's event input says so.
-        `verify` first reads each address once, because 2012 gateware never stops publishing an address where
-        nothing answers. Use False if reading has an effect. `ring` publishes wait to be fetched. If more
-        come, the newest win. `group` asks for one certain group, as `on_event` may need: each has its own
-        event input. DeviceMismatch: no group is left, or none so large, or the line is too slow.
+        It does so every `divisor` base periods. With `on_event`, it does so when the group's event input
+        triggers it. `verify` first reads each address once, because 2012 gateware never stops publishing an
+        address where nothing answers. Use False if a read has an effect. `ring` is how many publishes may
+        wait to be fetched. If more come, the oldest ones are dropped. `group` asks for a certain group.
+        `on_event` may need this, because each group has its own event input. Raises DeviceMismatch if no
+        group is free or large enough, or if the line is too slow.
         """
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
@@ -302,15 +307,15 @@ class Link(Line):
     # ---- the link's time
 
     def now_s(self) -> float:
-        """Return the time of publishes and deadlines: `time.monotonic()` on a real board.
+        """Return the time by which publishes and deadlines are given: `time.monotonic()` on a real board.
 
-        On a `sim:` or `rtl:` link it is robot time, which waits while this machine is too busy to run the
+        On a `sim:` or `rtl:` link it is robot time. It stands still while this machine is too busy to run the
         virtual boards of the process (docs/rtl-simulation.md).
         """
         return self._native.now_s()
 
     def sleep_until(self, time_s: float) -> None:
-        """Sleep until `now_s()` is `time_s`. So a program keeps the pace of the robot.
+        """Sleep until `now_s()` is `time_s`. With this, a program keeps the pace of the robot.
 
         >>> due_s = link.now_s()                                             # doctest: +SKIP
         >>> for target in path:                                              # doctest: +SKIP
@@ -324,9 +329,10 @@ class Link(Line):
     # ---- the device itself
 
     def read_control(self, address: int, count: int = 1) -> Words:
-        """Return control registers of the device (`CONTROL_…` of unitylink.protocol), `count` from `address`.
+        """Return `count` control registers of the device from `address` on (`CONTROL_…` of
+        unitylink.protocol).
 
-        Raises DeviceMismatch on a classic link, ProtocolError if there is no such register.
+        Raises DeviceMismatch on a classic link, and ProtocolError if a register does not exist.
         """
         return self._native.read_control(address, count)
 
@@ -335,7 +341,10 @@ class Link(Line):
         self._native.write_control(address, value)
 
     def health(self) -> Health | None:
-        """Return the device's own counters: what reached it and what it dropped. None on a classic link."""
+        """Return the device's own counters: what reached it and what it dropped.
+
+        Return None on a classic link.
+        """
         if self.protocol != "framed":
             return None
         most = max(1, (self.description.reply_max - 4) // 4) if self.description else 1
@@ -349,12 +358,13 @@ class Link(Line):
         """Let the device make its outputs safe after `silence_s` without a sign of life. 0: never.
 
         The URL option is `deadman`. The link gives signs of life by itself as long as this program runs.
-        After a trip every write is DeadManTripped until `arm()`. DeviceMismatch: the gateware has none.
+        After a trip, every write raises DeadManTripped until `arm()`. Raises DeviceMismatch if the gateware
+        has no dead-man.
         """
         self._native.set_dead_man(silence_s, timeout_s)
 
     def dead_man(self) -> DeadMan | None:
-        """Ask the device for the state of its dead-man. None on a classic link, which has none."""
+        """Ask the device for the state of its dead-man. Return None on a classic link, which has none."""
         if self.protocol != "framed":
             return None
         state, ticks = (
@@ -366,21 +376,25 @@ class Link(Line):
     def arm(self, *, timeout_s: float | None = None) -> None:
         """Allow writes again after the dead-man has tripped, and start it again.
 
-        Nothing else does that, neither a new link nor a write. If it tripped in the session of this link,
-        that session ends and a new one begins. Publishes go on. DeviceMismatch on a classic link.
+        Only this does it. A new link or a write does not. If it tripped in the session of this link, that
+        session ends and a new one begins. Publishes go on. Raises DeviceMismatch on a classic link.
         """
         self._native.arm(timeout_s)
 
     @property
     def clock(self) -> Clock | None:
-        """The device's clock in the host's time. None before the first subscription and on a classic link."""
+        """The device's clock converted to the host's time.
+
+        It is None before the first subscription, and on a classic link.
+        """
         period_ns, drift_ppm, uncertainty_ns = self._native.clock()
         return Clock(period_ns, drift_ppm, uncertainty_ns) if period_ns > 0 else None
 
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
         """Raise DeviceMismatch if the gateware was built from another spec than `spec` with `hashes`.
 
-        Gateware that cannot say passes, see `unverified`. With `spec_hash=any` all passes, which is logged.
+        Gateware that cannot tell passes (see `unverified`). With `spec_hash=any` all gateware passes, and a
+        difference is logged.
         """
         self.unverified = checked_spec(self._native, self.url, spec, hashes)
 
@@ -400,7 +414,7 @@ class Link(Line):
         self._native.check_alive()
 
     def close(self) -> None:
-        """Stop the publishing that this link began, and close the port. Waiting callers get LinkClosed."""
+        """Stop the publishing that this link started, and close the port. Waiting callers get LinkClosed."""
         forget(self)
         first, self._unclosed = self._unclosed, False
         self._native.close()
@@ -415,7 +429,7 @@ class Link(Line):
             self._on_close.pop()()
 
     def _warn(self) -> None:
-        """Warn once of what went wrong although the link works."""
+        """Warn once about a problem that does not stop the link."""
         if self._native.warning not in ("", self._warned):
             self._warned = self._native.warning
             warnings.warn(self._warned, RuntimeWarning, stacklevel=3)
@@ -425,7 +439,7 @@ class Link(Line):
         self._on_close.append(action)
 
     def disown(self) -> None:
-        """Leave the link to the parent process, after a fork."""
+        """Leave the link to the parent process after a fork."""
         forget(self)
         self._unclosed = False
         self._native.disown()

@@ -13,7 +13,7 @@ from unitylink import _native
 
 
 class LoopMailbox:
-    """One for each event loop and link. The loop watches its descriptor."""
+    """A mailbox for one event loop and one link. The loop watches its descriptor."""
 
     def __init__(self, native: _native.NativeLink, loop: asyncio.AbstractEventLoop) -> None:
         self._native = native
@@ -33,7 +33,7 @@ class LoopMailbox:
         return future
 
     def retire(self) -> None:
-        """Stop watching once nothing waits. Called in the loop's thread when the link is closed."""
+        """Stop watching if no request waits. Called in the loop's thread when the link is closed."""
         self._retired = True
         if not self._waiting:
             self._loop.remove_reader(self._mailbox.descriptor)
@@ -53,7 +53,7 @@ class LoopMailbox:
 
 @contextmanager
 def arrivals(native: _native.NativeLink) -> Iterator[asyncio.Event]:
-    """An asyncio.Event that is set when there is news of a link."""
+    """Yield an asyncio.Event that is set when a link has news."""
     loop = asyncio.get_running_loop()
     arrived = asyncio.Event()
     mailbox = _native.mailbox()

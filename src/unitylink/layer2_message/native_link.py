@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The native link, which does the work of this layer: how to open one, and what goes in and out."""
+"""The native link, which does the work of this layer: how it is opened, and the types of its arguments and
+results.
+"""
 
 from __future__ import annotations
 
@@ -19,5 +21,5 @@ Pairs = Iterable[tuple[int, int]] | npt.NDArray[Any]
 
 
 def check_url(url: str) -> None:
-    """Raise UrlError if no link takes the form or options of this URL. Opens nothing."""
+    """Raise UrlError if no link accepts the form or the options of this URL. Opens nothing."""
     check_link_url(url)

@@ -22,7 +22,7 @@ _open: weakref.WeakSet[OpenLink] = weakref.WeakSet()
 def remember(link: OpenLink) -> None:
     """Close `link` when the program ends without close()."""
     _open.add(link)
-    # The last to be registered runs first: before an in-process board is closed.
+    # The function that is registered last runs first, so this runs before an in-process board is closed.
     atexit.unregister(_close_all)
     atexit.register(_close_all)
 
@@ -33,13 +33,13 @@ def forget(link: OpenLink) -> None:
 
 
 def _close_all() -> None:
-    """Leave no device publishing, and no thread behind."""
+    """Close all links, so that no device goes on publishing and no thread is left."""
     for link in list(_open):
         link.close()
 
 
 def _disown_all() -> None:
-    """Leave the links to the parent: a forked child has its descriptors but none of its threads."""
+    """Leave the links to the parent. A forked child has their descriptors, but none of their threads."""
     for link in list(_open):
         link.disown()
 

@@ -33,8 +33,8 @@ _log = logging.getLogger("unitylink.link")
 class Subscription:
     """The publishes of one gateware group: raw words of `addresses`, with a time.
 
-    On a framed link this is the time at which the device read them, by its clock in the host's time. On a
-    classic link it is the time of their arrival.
+    On a framed link, this is the time at which the device read them, by its clock, converted to the host's
+    time. On a classic link it is the time of their arrival.
     """
 
     group: int
@@ -51,7 +51,7 @@ class Subscription:
         *,
         keep: object = None,
     ) -> None:
-        """Made by Link.subscribe. `keep` lives as long as this does: the link."""
+        """Made by Link.subscribe. `keep` is kept alive as long as this object. It is the link."""
         self.group = identity % GROUPS_MAX
         self.addresses = addresses
         self._words = len(addresses)
@@ -61,8 +61,8 @@ class Subscription:
         self._identity = identity
         self._callbacks = callbacks
         self._open = True
-        self._ending = threading.Lock()  # held to close it
-        self._taking = threading.Lock()  # held to fetch, call back and drain
+        self._ending = threading.Lock()  # held while closing
+        self._taking = threading.Lock()  # held while fetching, calling back and draining
         self._rows: Iterator[Publish] = iter(())
         self._kept: list[Publish] = []
         self._lost: tuple[int, int] | None = None
@@ -89,7 +89,7 @@ class Subscription:
             return len(self._kept) + self._native.available(self._identity)
 
     def drain(self) -> tuple[Times, Words]:
-        """Take all that has come, oldest first: (n,) times in s of time.monotonic, (n, k) words."""
+        """Take everything that has come, oldest first: (n,) times in s of time.monotonic, (n, k) words."""
         with self._taking:
             kept, self._kept = self._kept, []
             times, values = self._native.drain(self._identity, self._words)
@@ -99,9 +99,10 @@ class Subscription:
         return times, values
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until there is something to drain. False after `timeout_s`.
+        """Wait until there is something to drain. The result is False after `timeout_s`.
 
-        Raises LinkClosed if nothing can come any more: link or subscription are closed, or the port is gone.
+        Raises LinkClosed if nothing more can come: the link or the subscription is closed, or the port is
+        gone.
         """
         try:
             return bool(self._kept) or self._native.wait(self._identity, timeout_s)
@@ -121,14 +122,14 @@ class Subscription:
     ) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
-        With `gather_s` the thread may sleep that long between two looks, so that a fast stream does not wake
-        it for each publish. It sleeps only if all callbacks of the link allow it, and then for the shortest
-        time. With `arrays` several publishes that have come together are offered first, as from `drain`. If
-        `arrays(times, words)` returns True, it has taken all of them. `first` is called before all publishes,
-        as if it were one.
+        With `gather_s` the thread may sleep so long between two looks. So a fast stream does not wake it for
+        each publish. It sleeps only if all callbacks of the link allow it, and then for the shortest time.
+        With `arrays`, several publishes that have come together are offered to it first, in the form of
+        `drain`. If `arrays(times, words)` returns True, it has taken all of them. `first` is called before
+        all publishes, as if it were one.
 
         An exception in a callback is logged, and the thread goes on. A subscription has one callback, the
-        last given. A port that is gone ends the calls, which is logged too.
+        last one given. If the port is gone, the calls end, and this is logged.
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
@@ -159,17 +160,17 @@ class Subscription:
     def close(self) -> None:
         """Stop the group's publishes and free the group. Calling it twice does no harm.
 
-        No publish that had come is lost. When this returns, the callback has had all of them and is not
+        No publish that has come is lost. When this returns, the callback has had all of them and is not
         called again. Without a callback they can still be drained, whatever happens to the group.
 
-        Within a callback, of any subscription, this waits for nobody. The remaining publishes can then be
-        drained. Anywhere else it waits for a call under way, so hold no lock that the callback needs. A call
-        that does not return for five seconds is left behind, with a RuntimeWarning.
+        Within a callback of any subscription, this waits for nothing. The remaining publishes can then be
+        drained. Anywhere else it waits for a running call. So hold no lock that the callback needs. A call
+        that does not return within five seconds is not waited for. It gives a RuntimeWarning.
         """
         within = called_back()
         if within:
             self.hush()
-        if not self._ending.acquire(blocking=not within):  # close() waits for this callback
+        if not self._ending.acquire(blocking=not within):  # another close() waits for this callback
             return
         try:
             if self._open:
@@ -212,7 +213,7 @@ class Subscription:
         return not self._open and not self._native.subscribed(self._identity)
 
     def hush(self) -> None:
-        """Call back no more. The publishes that have come can be drained."""
+        """Call the callback no more. The publishes that have come can then be drained."""
         self._callback = self._arrays = None
         with self._taking:
             self._kept += self._rows
@@ -236,7 +237,7 @@ class Subscription:
         self.told += 1
         try:
             callback(*publish)
-        except BaseException:  # sys.exit() too, or it would end the other subscriptions
+        except BaseException:  # sys.exit() too, which would otherwise end the other subscriptions
             self._report(callback)
 
     def _deliver_all(self, callback: PublishCallback | None) -> None:
@@ -255,7 +256,8 @@ class Subscription:
                 for time_s, words in self._rows:
                     self.told += 1
                     callback(time_s, words)
-                    if self._callback is not callback:  # it closed the subscription, or set another callback
+                    # the callback closed the subscription, or set another callback
+                    if self._callback is not callback:
                         break
                 else:
                     return

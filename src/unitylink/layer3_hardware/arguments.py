@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The numbers that callers give. Anything else is a ValueRangeError before anything is sent."""
+"""Checks of the numbers that callers give. Anything else raises ValueRangeError before anything is sent."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from unitylink.errors import ValueRangeError, shown
 
 
 def whole(what: str, value: object) -> int:
-    """Return a whole number, also one of numpy's. `what` is its name in the error.
+    """Return a whole number. One of numpy's is accepted, too. `what` is its name in the error.
 
     >>> whole("fifo: limit", 1.5)
     Traceback (most recent call last):
@@ -25,7 +25,7 @@ def whole(what: str, value: object) -> int:
 
 
 def wholes(what: str, values: Iterable[object]) -> list[int]:
-    """Return the whole numbers of a sequence. A text is not one."""
+    """Return the whole numbers of a sequence. A text is no sequence of numbers."""
     try:
         if isinstance(values, (str, bytes)):
             raise TypeError
@@ -47,5 +47,5 @@ def positive(what: str, value: object) -> float:
 
 
 def at(address: int) -> str:
-    """Return an address for an error."""
+    """Return an address in the form that errors show."""
     return f"{address:#x}" if address.bit_length() <= 64 else shown(address)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Outputs that take effect together, by a commit, in gateware that swaps two buffers without copying."""
+"""Outputs that take effect together by a commit, in gateware that swaps two buffers without copying."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ class CommittedProxy(HardwareProxy):
     """Write outputs in bursts, each ended by one commit.
 
     The gateware swaps its buffers at a commit and does not copy them. So a word that is not written before a
-    commit falls back to its value of two commits ago. Therefore the proxy keeps a shadow of every output that
-    is declared or written, and writes all of them before each commit. A word that it does not know yet is
-    first read from the device, so that a running robot does not jump. After a line came back (`reconnect=1`)
-    or a device restarted, it knows none of its words any more.
+    commit goes back to its value of two commits ago. Therefore the proxy keeps a shadow of every output that
+    is declared or written, and writes all of them before each commit. A word that the proxy does not know yet
+    is first read from the device. So a running robot does not jump. After a line has come back
+    (`reconnect=1`) or a device has restarted, the proxy knows none of its words.
 
-    The words of a burst may be sent twice, a commit never is. If its reply is lost, OutcomeUnknown says so.
+    The words of a burst may be sent twice, but a commit never is. If the reply of a commit is lost,
+    OutcomeUnknown is raised.
 
     >>> with proxy.batch():            # doctest: +SKIP
     ...     proxy.write(0x8C, 100)     # nothing is sent yet
@@ -39,30 +40,35 @@ class CommittedProxy(HardwareProxy):
 
     kind = "committed memory"
     repeatable_writes = True
-    commit_address = 0  # relative; set by the subclass or instance
-    commit_timeout_s = 0.5  # for the commit after a burst: the gateware takes it within one cycle
+    commit_address = 0  # relative; the subclass or instance sets it
+    # how long the commit after a burst may take; the gateware takes it within one cycle
+    commit_timeout_s = 0.5
 
     def __init__(
         self, link: Link, base: int = 0, *, words: int | None = None, control: Link | None = None
     ) -> None:
         super().__init__(link, base, words=words)
-        self.control = control if control is not None else link  # where commits and status words go
+        self.control = control if control is not None else link  # commits and status words go there
         self._lock = threading.RLock()
-        self._outputs: dict[int, int | None] = {}  # relative address -> last committed word, None = not known
+        # relative address -> last committed word, or None if unknown
+        self._outputs: dict[int, int | None] = {}
         self._staged: dict[int, int] | None = None
         self._staged_checked: bool | None = None
         self._batch_thread: int | None = None
-        self._settled = False  # no commit of ours can be pending
+        self._settled = False  # true if no commit of ours can be pending
         self._generation = self._generation_now()
 
     @property
     def outputs(self) -> dict[int, int | None]:
-        """The shadow: relative address -> word as last committed, None if it was not read back yet."""
+        """The shadow: relative address -> word as last committed.
+
+        It is None if the word has not been read yet.
+        """
         with self._lock:
             return dict(self._outputs)
 
     def declare_outputs(self, addresses: Iterable[int]) -> None:
-        """Let each commit write these words too, at first as the device has them."""
+        """Let each commit write these words, too. At first they have their values in the device."""
         with self._lock:
             for address in wholes(f"{self.kind}: addresses", addresses):
                 self._check_output(address)
@@ -138,10 +144,10 @@ class CommittedProxy(HardwareProxy):
     ) -> None:
         """Write words that take effect together.
 
-        A burst must not be interleaved with another one, sync or async. So it runs under the lock, in a
+        Another burst must not come between its messages, sync or async. So it runs under the lock, in a
         worker thread, and the event loop stays free. Cancelling the await does not take it back.
         """
-        if self.collects_here:  # the worker would wait for the batch to end
+        if self.collects_here:  # the worker would wait for the end of the batch
             self.write_many(addresses, values, checked=checked)
             return
         await asyncio.to_thread(self.write_many, addresses, values, checked=checked, timeout_s=timeout_s)
@@ -180,7 +186,8 @@ class CommittedProxy(HardwareProxy):
         try:
             self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
         except OutcomeUnknown as error:
-            self._outputs.update(changes)  # the commit may have happened: to fall back later would be a jump
+            # the commit may have happened, and a later return to the old values would be a jump
+            self._outputs.update(changes)
             raise OutcomeUnknown(
                 f"{self.kind}: the commit of {len(words)} words at {commit:#06x} was sent and its reply "
                 "lost; it may or may not have taken effect and was not repeated. "
@@ -197,7 +204,10 @@ class CommittedProxy(HardwareProxy):
         return self.link.generation, self.control.generation
 
     def _forget_old(self) -> None:
-        """Forget the shadow after a line came back or a device restarted: no old set-point is repeated."""
+        """After a line has come back or a device has restarted, forget the shadow.
+
+        So no old set-point is repeated.
+        """
         if (generation := self._generation_now()) != self._generation:
             self._outputs = dict.fromkeys(self._outputs)
             self._settled, self._generation = False, generation
@@ -211,4 +221,4 @@ class CommittedProxy(HardwareProxy):
             self._outputs.update(zip(unknown, (int(word) for word in words), strict=True))
 
     def _settle(self, deadline: float, *, committed: bool) -> None:
-        """Wait until no commit is pending. After our own (`committed`) raise if it was dropped."""
+        """Wait until no commit is pending. After our own commit (`committed`), raise if it was dropped."""

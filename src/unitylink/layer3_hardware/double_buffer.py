@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 class DoubleBufferProxy(CommittedProxy):
-    """Give access to a double-buffered memory of `size` words: +0 to +size-1 the bank, +size the commit.
+    """Give access to a double-buffered memory of `size` words: +0 to +size-1 are the bank, +size is the
+    commit.
 
     A write goes to the hidden bank, a read comes from the visible one. A commit swaps the banks at once,
     without copying. CommittedProxy explains what follows from that.

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A FIFO in the gateware. Reading its data word pops, writing it pushes. So neither is ever repeated."""
+"""A FIFO in the gateware.
+
+A read of its data word pops, and a write to it pushes. So neither is ever repeated.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,9 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
 DATA, COUNT, SPACE = 0, 1, 2  # relative addresses
-WORDS_MOST = 2**16  # each way: the deepest that `fifo_slave` can be
-BLOCK_WORDS = 255  # the most that one read-many can carry; the link splits further if the gateware takes less
+WORDS_MOST = 2**16  # in each direction: the largest depth of `fifo_slave`
+# the most that one read-many can carry; the link splits it further if the gateware takes less
+BLOCK_WORDS = 255
 
 
 @dataclass(frozen=True)
@@ -41,10 +45,11 @@ class FifoStatus:
 
 
 class FifoProxy(HardwareProxy):
-    """Give access to a FIFO, one queue each way: +0 data (read pops, write pushes), +1 words there, +2 room.
+    """Give access to a FIFO with one queue each way: +0 data (a read pops, a write pushes), +1 words to read,
+    +2 room.
 
     A lost reply to a pop may have taken a word with it. So nothing is repeated, and the error says what is
-    unknown. Popping an empty FIFO and pushing into a full one are bus errors.
+    unknown. A pop from an empty FIFO and a push into a full one are bus errors.
 
     >>> samples = FifoProxy(link, base=0x200)     # doctest: +SKIP
     >>> samples.pop_many(limit=100)               # what is there, at most 100  # doctest: +SKIP
@@ -64,7 +69,7 @@ class FifoProxy(HardwareProxy):
         return FifoStatus(int(count), int(space))
 
     def pop(self, *, timeout_s: float | None = None) -> int:
-        """Take the oldest word. BusError if there is none."""
+        """Take the oldest word. Raises BusError if there is none."""
         try:
             return self.read(DATA, timeout_s=timeout_s)
         except BusError as error:
@@ -74,9 +79,10 @@ class FifoProxy(HardwareProxy):
             ) from error
 
     def pop_many(self, limit: int, *, timeout_s: float | None = None) -> NDArray[np.uint32]:
-        """Take the waiting words, oldest first, at most `limit`.
+        """Take at most `limit` of the waiting words, oldest first.
 
-        Raises DeviceMismatch if the device counts more words than a FIFO can hold. Then there is no FIFO.
+        Raises DeviceMismatch if the device counts more words than a FIFO can hold. Then there is no FIFO at
+        that address.
         """
         limit = whole("fifo: limit", limit)
         if limit < 0:
@@ -90,7 +96,7 @@ class FifoProxy(HardwareProxy):
         return np.concatenate(blocks)
 
     def push(self, word: int, *, timeout_s: float | None = None) -> None:
-        """Append one word. BusError if there is no room."""
+        """Append one word. Raises BusError if there is no room."""
         try:
             self.write(DATA, word, timeout_s=timeout_s)
         except BusError as error:
@@ -100,7 +106,10 @@ class FifoProxy(HardwareProxy):
             ) from error
 
     def push_many(self, words: Iterable[int], *, timeout_s: float | None = None) -> None:
-        """Append words in order. Without room for all, ValueRangeError comes before the first is sent."""
+        """Append words in order.
+
+        Raises ValueRangeError before the first word is sent if there is no room for all.
+        """
         batch = wholes("fifo: words", words)
         self._check_words(batch)
         space = self._counted(SPACE)
@@ -111,7 +120,10 @@ class FifoProxy(HardwareProxy):
         self.write_many([DATA] * len(batch), batch, timeout_s=timeout_s)
 
     def _counted(self, register: int) -> int:
-        """Return one of the counters; a number that no FIFO can have would be hours of popping."""
+        """Return one of the counters.
+
+        A number that no FIFO can have is refused, because popping so many words would take hours.
+        """
         count = int(self.link.read(self.base + register))
         if count > WORDS_MOST:
             raise DeviceMismatch(

@@ -9,7 +9,7 @@ from .proxy import HardwareProxy
 class MemoryProxy(HardwareProxy):
     """Plain memory at `base`. The link may repeat reads and writes after a lost reply.
 
-    Registers whose write has an effect (it clears a counter, pushes, commits) are not plain memory.
+    A register whose write has an effect (it clears a counter, pushes, commits) is not plain memory.
     """
 
     kind = "memory"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What all hardware proxies share: words at addresses relative to a base, and what may be sent twice."""
+"""What all hardware proxies share: words at relative addresses, and which requests may be repeated."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class HardwareProxy:
 
     @property
     def collects_here(self) -> bool:
-        """Return whether the writes of this thread are only sent later, at the end of a batch."""
+        """Return whether the writes of this thread are sent only later, at the end of a batch."""
         return False
 
     def bus_address(self, address: int) -> int:
-        """Return the bus address of a relative one. ValueRangeError if the module has no such word."""
+        """Return the bus address of a relative one. Raises ValueRangeError if the module has no such word."""
         address = whole(f"{self.kind} at {self.base:#06x}: address", address)
         if address < 0 or (self.words is not None and address >= self.words):
             held = "" if self.words is None else f"; it has words 0 to {self.words - 1:#x}"
@@ -57,7 +57,10 @@ class HardwareProxy:
         return [self.bus_address(address) for address in wholes(where, addresses)]
 
     def reader(self, address: int, *, checked: bool | None = None, repeat: bool = True) -> Callable[..., int]:
-        """Return a function that reads one word. It looks nothing up, for callers that read often."""
+        """Return a function that reads one word.
+
+        The function looks nothing up, so it is fast for callers that read often.
+        """
         return partial(
             self.link.read,
             self.bus_address(address),
@@ -80,9 +83,9 @@ class HardwareProxy:
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> NDArray[np.uint32]:
-        """Read many words. With `atomic` they come from one bus transaction, so that they belong together.
+        """Read many words. With `atomic` they come from one bus transaction, so they are of one moment.
 
-        `repeat=False` is for words that reading changes.
+        `repeat=False` is for words that a read changes.
         """
         return self.link.read_many(
             self.bus_addresses(addresses),
@@ -194,7 +197,7 @@ class HardwareProxy:
         return self.link.subscribe(self.bus_addresses(addresses), **options)
 
     def declare_outputs(self, addresses: Iterable[int]) -> None:
-        """Tell which words the PC is responsible for. Only proxies with a commit need that."""
+        """Name the words that the PC sets. Only proxies with a commit need this."""
         self.bus_addresses(addresses)
 
     def _pairs(self, addresses: Iterable[int], values: Iterable[int]) -> tuple[list[int], list[int]]:

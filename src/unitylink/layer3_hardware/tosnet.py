@@ -27,13 +27,13 @@ WORD_BITS = 32
 class TosNetProxy(CommittedProxy):
     """Give access to a TosNet network behind the gateware.
 
-    Node `n`'s register `r` has four OUT words, which the node writes, and four IN words, which it obeys.
+    Register `r` of node `n` has four OUT words, which the node writes, and four IN words, which it obeys.
     `read` and `write` take the word address (node * 64 + register * 8 + 4 if IN + word).
     `node(n).register(r)` computes it.
 
-    A commit takes effect at the next network cycle. A write waits for that. It raises NetworkError if the
-    network is offline or halted, or dropped the commit. `control` is the link for status and commits, by
-    default the same one (CTRL in a UL-spec).
+    A commit takes effect at the next network cycle. A write waits for this. It raises NetworkError if the
+    network is offline or halted, or if it dropped the commit. `control` is the link for status and commits,
+    by default the same one (CTRL in a UL-spec).
 
     >>> network = TosNetProxy(link)                                   # doctest: +SKIP
     >>> network.node(2).register(1).inputs[0] = 1000   # one burst, one commit  # doctest: +SKIP
@@ -55,7 +55,7 @@ class TosNetProxy(CommittedProxy):
         self._async = TosNetAsync(self.control, base)
 
     def node(self, node_id: int) -> TosNetNode:
-        """Return node 1-15, or 0 if the gateware uses it."""
+        """Return the node 1-15. Node 0 exists if the gateware uses it."""
         return TosNetNode(self, node_id)
 
     def status(self) -> TosNetStatus:
@@ -76,7 +76,10 @@ class TosNetProxy(CommittedProxy):
         return NetworkNode.decode_list([int(word) for word in words])
 
     def async_send(self, node_id: int, data: bytes, *, timeout_s: float = 0.5) -> None:
-        """Send bytes to a node (0 = all) over the asynchronous channel. LinkTimeout if it stays full."""
+        """Send bytes to a node (0 = all) over the asynchronous channel.
+
+        Raises LinkTimeout if the channel stays full.
+        """
         self._async.send(node_id, data, timeout_s)
 
     def async_receive(self) -> list[tuple[int, bytes]]:
@@ -126,7 +129,7 @@ class TosNetProxy(CommittedProxy):
 
 
 class TosNetNode:
-    """One node of the network. Iterate over it for its registers."""
+    """One node of the network. Iterating over it gives its registers."""
 
     def __init__(self, network: TosNetProxy, node_id: int) -> None:
         node_id = whole("tosnet: node", node_id)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""TosNet's asynchronous channel: bytes from node to node beside the cyclic memory."""
+"""TosNet's asynchronous channel: bytes from node to node, beside the cyclic memory."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .arguments import positive, whole
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-FULL_BIT, EMPTY_BIT, VALID_BIT = 6, 7, 6  # of the send status; of the receive status
+FULL_BIT, EMPTY_BIT, VALID_BIT = 6, 7, 6  # bits of the send status, and of the receive status
 LAST_BYTE_SHIFT = 4  # bits 5-4 of control and status words: index of the last valid byte
 FIFO_WORDS = 128
 
 
 class TosNetAsync:
-    """Move bytes through the channel's two FIFOs, four to a word, byte 0 in bits 31-24.
+    """Move bytes through the channel's two FIFOs. A word has four bytes, with byte 0 in bits 31-24.
 
-    Pushing and popping are never repeated: a lost reply is an OutcomeUnknown or a LinkTimeout.
+    Pushes and pops are never repeated. A lost reply raises OutcomeUnknown or LinkTimeout.
     """
 
     def __init__(self, link: Link, base: int) -> None:
         self._link = link
         self._base = base
-        self._lock = threading.Lock()  # control and data belong together
+        self._lock = threading.Lock()  # control and data must be written together
 
     def send(self, node_id: int, data: bytes, timeout_s: float) -> None:
         node_id = whole("tosnet: node", node_id)
@@ -68,7 +68,7 @@ class TosNetAsync:
     def receive(self) -> list[tuple[int, bytes]]:
         messages: list[tuple[int, bytes]] = []
         with self._lock:
-            for _ in range(FIFO_WORDS):  # bounded: a sender that never stops must not keep us here
+            for _ in range(FIFO_WORDS):  # bounded, because a sender that never stops must not keep us here
                 status = self._link.read(self._base + protocol.TOSNET_ASYNC_RX_STATUS)
                 if status >> EMPTY_BIT & 1 or not status >> VALID_BIT & 1:
                     break

@@ -88,7 +88,7 @@ class NetworkNode:
 
     @classmethod
     def decode_list(cls, words: list[int]) -> tuple[NetworkNode, ...]:
-        """Decode the network registers. The list ends where the stored ring address is not the index.
+        """Decode the network registers. The list ends at the first entry whose ring address is not its index.
 
         >>> [n.node_id for n in NetworkNode.decode_list([0x010101, 0x030312, 0])]
         [1, 2]

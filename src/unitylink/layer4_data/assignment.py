@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The error for an assignment to an object of a robot: it would replace the object and write nothing."""
+"""The error for an assignment to an object of a robot. Python would replace the object and write nothing."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def refuse(path: str, held: object, value: object) -> NoReturn:
 
 
 class Array(tuple[Any, ...]):
-    """The members of an array of the spec: a tuple whose error says how to write a part."""
+    """The members of an array of the spec: a tuple whose error says how to write a member."""
 
     path: str
 
     def __new__(cls, path: str, parts: Iterable[Any]) -> Array:
-        """`path` is what errors call it."""
+        """`path` is its name in errors."""
         array = super().__new__(cls, parts)
         array.path = path
         return array
 
     def __setitem__(self, index: int, value: object) -> None:
-        """Refuse the assignment: a write was probably meant."""
+        """Refuse the assignment, because a write was probably meant."""
         refuse(f"{self.path}[{index!r}]", self[index] if isinstance(index, int) else self, value)

@@ -11,7 +11,10 @@ R = TypeVar("R")
 
 
 def at_once(jobs: Sequence[Callable[[], R]]) -> list[R]:
-    """Run jobs at the same time, each link's in a thread. All end before the first error is raised."""
+    """Run jobs at the same time, the jobs of each link in a thread of their own.
+
+    All jobs end before the first error is raised.
+    """
     if len(jobs) <= 1:
         return [job() for job in jobs]
     with ThreadPoolExecutor(len(jobs)) as pool:

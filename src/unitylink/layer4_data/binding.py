@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 
 def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> None:
-    """Refuse a generated file that is foreign (of another library) or stale (its spec has changed since).
+    """Refuse a generated file if it is foreign (of another library) or stale (its spec has changed since).
 
     Generated modules call it with their own `__file__` when they are imported. The spec is looked for beside
-    the file. Without it only the library is checked.
+    the file. Without it, only the library is checked.
     """
     spec_file = Path(file).parent / source
     beside = spec_file.is_file()
@@ -41,7 +41,8 @@ def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> No
         )
     if not beside:
         return
-    from unitylink.spec import compile_file  # here: most generated files have no spec beside them
+    # imported here, because most generated files have no spec beside them
+    from unitylink.spec import compile_file
 
     spec = compile_file(spec_file).spec
     if spec is None:
@@ -61,7 +62,7 @@ class Tree:
 
     `links` has the links other than `link`, by the name of a COMM or CTRL parameter or of a declared link.
     `classes` has the Python classes of enumerations and packed values. `source` is the name of the spec.
-    `gateware` has the wire hashes that the gateware behind each link in use may have, by the link's name (""
+    `gateware` has the possible wire hashes of the gateware behind each link in use, by the link's name (""
     for `link`). Another hash raises DeviceMismatch, see `Link.check_spec`.
     """
 
@@ -99,7 +100,7 @@ class Tree:
         return hardware_for(kind, self.link_of(comm, link), base, self.link_of(ctrl, link), size)
 
     def link_of(self, parameter: str | None, declared: str = "") -> Link:
-        """Return the link of a COMM or CTRL parameter, or of a declared link's name."""
+        """Return the link of a COMM or CTRL parameter, or of the name of a declared link."""
         for name in (parameter, declared):
             chosen = self.links.get(name) if name else None
             if chosen is not None:
@@ -107,7 +108,7 @@ class Tree:
         return self.link
 
 
-# A module has one shadow of its outputs, even if several trees reach it. So living proxies are shared.
+# A module has one shadow of its outputs, even if several trees use it. So existing proxies are shared.
 _lock = threading.Lock()
 _shared: WeakValueDictionary[tuple[str, int, int, int, int], HardwareProxy] = WeakValueDictionary()
 KINDS = ("memory", "tosnet", "double_buffer", "fifo")
@@ -116,7 +117,7 @@ KINDS = ("memory", "tosnet", "double_buffer", "fifo")
 def hardware_for(
     kind: str, link: Link, base: int = 0, control: Link | None = None, size: int = 0
 ) -> HardwareProxy:
-    """Return the one proxy for a module. `kind` is one of KINDS, `size` the words of a double buffer."""
+    """Return the only proxy of a module. `kind` is one of KINDS, `size` the words of a double buffer."""
     control = control if control is not None else link
     key = (
         kind,
@@ -124,7 +125,7 @@ def hardware_for(
         base,
         id(control),
         size,
-    )  # a living proxy keeps its links alive, so no other object gets their ids
+    )  # a proxy in use keeps its links alive, so no other object gets their ids
     with _lock:
         proxy = _shared.get(key)
         if proxy is None:

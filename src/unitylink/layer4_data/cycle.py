@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 class Cycle:
     """Write every WRITE of a group and read every READ, in as few bytes and messages as the link allows.
 
-    Made by `ValueGroup.cycle` and `Node.cycle`. A value that a call does not name keeps what it was last
-    given. At first that is its INITIAL. After a line came back or a device restarted, all values must be
-    given again.
+    Made by `ValueGroup.cycle` and `Node.cycle`. A value that a call does not name keeps its last value. At
+    first that is its INITIAL. After a line has come back or a device has restarted, all values must be given
+    again.
 
     On a framed link the words are named once, as an exchange group. Then each call is one message each way
-    with bare data, and its result is of one moment (`atomic`). Where that is not possible, `notice` says why,
-    and the next best way is taken.
+    with bare data, and its result is of one moment (`atomic`). If that is impossible, `notice` says why, and
+    the next best way is used.
 
     >>> with robot.cycle() as cycle:                                # doctest: +SKIP
     ...     state = cycle(target=0.0)
@@ -61,7 +61,7 @@ class Cycle:
 
     @property
     def atomic(self) -> bool:
-        """Whether all values are of one moment: each call is one transaction of the bus, on one link."""
+        """Whether all values are of one moment. Then each call is one transaction of the bus, on one link."""
         return len(self._parts) == 1 and all(part.atomic for part in self._parts)
 
     def __call__(
@@ -75,7 +75,7 @@ class Cycle:
         """Write and read once. Give values as to `ValueGroup.write`, or none at all.
 
         All values are checked before the first is sent. Raises ValueRangeError, also for a value that was
-        never given. Raises what writing raises: OutcomeUnknown, DeadManTripped, BusError.
+        never given. It also raises what a write raises: OutcomeUnknown, DeadManTripped, BusError.
         """
         self._forget_old()
         if values is not None or named:
@@ -98,7 +98,10 @@ class Cycle:
         return self.group.taken(words)
 
     def _forget_old(self) -> None:
-        """Forget the values after a line came back or a device restarted: they must be given again."""
+        """After a line has come back or a device has restarted, forget the values.
+
+        They must be given again.
+        """
         for link, before in self._generations.items():
             if link.generation != before:
                 self._generations[link] = link.generation
@@ -193,7 +196,7 @@ def _initial(value: WriteValue[Any]) -> int | None:
 
 
 def _words(value: Value[Any], data_bytes: int) -> list[tuple[int, int]]:
-    """Return the address and the bytes of each word. The bytes follow from the bits of the type."""
+    """Return the address and the bytes of each word. The bits of the type decide how many bytes."""
     left = (value.codec.width + 7) // 8
     words = []
     for address in value.addresses:

@@ -38,7 +38,7 @@ class DeadMen:
 
     @property
     def tripped(self) -> bool:
-        """Ask whether a dead-man has tripped. False on classic links, which have none."""
+        """Ask whether a dead-man has tripped. The result is False on classic links, which have none."""
         states = [link.dead_man() for link in self.links]
         return any(state is not None and state.tripped for state in states)
 

@@ -94,11 +94,11 @@ class ValueGroup:
             raise UnknownName(f"{self.path}: no {shown(key)}; there are {', '.join(self.values)}") from None
 
     def __setitem__(self, key: str, value: object) -> None:
-        """Refuse what is meant as a write."""
+        """Refuse the assignment, because a write was probably meant."""
         refuse(f"{self.path}[{key!r}]", self.values.get(key), value)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse new attributes: nothing would write them."""
+        """Refuse new attributes, because nothing would write them."""
         if "_sets" in self.__dict__:
             raise AssignmentError(
                 f"{self.path}.{name} is not set to {shown(value)}; write values of the group: "
@@ -112,9 +112,9 @@ class ValueGroup:
     # Reading
 
     def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read all READs: one atomic read for each link, all links at the same time.
+        """Read all READs with one atomic read for each link, all links at the same time.
 
-        Raises DeviceMismatch where one atomic read cannot hold them, unless `consistent` is False.
+        Raises DeviceMismatch if one atomic read cannot hold them, unless `consistent` is False.
         """
         self._check_snapshot(consistent)
 
@@ -139,7 +139,7 @@ class ValueGroup:
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
 
     async def snapshot_async(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read all READs: one atomic read for each link, all links at the same time."""
+        """Read all READs with one atomic read for each link, all links at the same time."""
         self._check_snapshot(consistent)
 
         async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
@@ -176,7 +176,7 @@ class ValueGroup:
                 )
 
     def taken(self, fetched: Mapping[Link, tuple[float, list[int]]]) -> Snapshot:
-        """Return for each link the time of the read, and the words of its READs in order."""
+        """Make a snapshot from the time of the read on each link, and the words of its READs in order."""
         numbers: dict[str, Any] = {}
         times_s: dict[str, float] = {}
         sampled_s: dict[str, float] = {}
@@ -198,11 +198,14 @@ class ValueGroup:
         timeout_s: float | None = None,
         **named: Any,
     ) -> None:
-        """Write WRITEs together. Give a sequence for all of them in order, or a mapping or keywords for some.
+        """Write WRITEs together.
 
-        A keyword is a key with "_" in place of what a name cannot have ("j[2].pos" is j_2_pos), or its last
-        step where that is unique. All values are checked before the first is sent. Each hardware proxy gets
-        one burst (on TosNet: with one commit). All links are written at the same time.
+        Give a sequence with a value for each of them in order, or a mapping or keywords for some.
+
+        A keyword is a key with "_" in place of characters that a name cannot have ("j[2].pos" is j_2_pos). It
+        may also be the last step of a key, if that is unique. All values are checked before the first is
+        sent. Each hardware proxy gets one burst, on TosNet with one commit. All links are written at the same
+        time.
         """
         writes = self._words(values, named)
         batched = [hardware for hardware in writes if hardware.collects_here]
@@ -224,7 +227,7 @@ class ValueGroup:
                     value.wrote(raw)
 
         try:
-            send(batched)  # here, because a batch belongs to its thread
+            send(batched)  # sent here, because a batch belongs to its thread
             at_once([partial(send, proxies) for proxies in by_link.values()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904
@@ -237,7 +240,7 @@ class ValueGroup:
         timeout_s: float | None = None,
         **named: Any,
     ) -> None:
-        """Write WRITEs together, as `write`."""
+        """Write WRITEs together, as `write` does."""
         writes = self._words(values, named)
 
         async def send(hardware: HardwareProxy) -> None:
@@ -316,15 +319,15 @@ class ValueGroup:
     def on_publish(
         self, callback: Callable[[float, Snapshot], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(time_s, snapshot)` for each set of fresh samples. Return the function that ends it.
+        """Call `callback(time_s, snapshot)` for each set of fresh samples. Return a function that ends this.
 
         There is a set for each tick of each rate, and for each event. Values of one rate are of one tick,
-        whatever their gateware groups. The other values are the last that came. `snapshot.sampled_s` says
-        when each was sampled.
+        whatever gateware groups carry them. The other values are the newest that have come.
+        `snapshot.sampled_s` says when each was sampled.
 
         Values that are published on an event, or at another rate, are read once at the beginning. A value
-        that reading changes is not in a set before it has been published. READs without PUBLISH need
-        `rate_hz`: the PC then polls them.
+        that a read changes is in no set before it has been published. READs without PUBLISH need `rate_hz`.
+        The PC then polls them.
         """
         return self._with_watch(self.listeners.on_publish(callback), rate_hz)
 
@@ -352,7 +355,7 @@ class ValueGroup:
         return None if snapshot is None else (snapshot.time_s, snapshot)
 
     def _with_watch(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
-        """Start the publishes for a listener. The listener is there before the first one."""
+        """Start the publishes for a listener. The listener is registered before the first publish."""
         try:
             self._watch(rate_hz)
         except BaseException:
@@ -376,7 +379,10 @@ class ValueGroup:
             value.publisher.require(value)
 
     def _seed(self) -> None:
-        """Read once the values that come at another time, for the first set. Omit what reading changes."""
+        """For the first set, read once the values that come at another time.
+
+        Leave out values that a read changes.
+        """
         by_link: dict[Link, list[PublishedValue]] = {}
         for value in self._sets.unknown:
             if value.pollable and value.hardware.repeatable_reads:
@@ -399,7 +405,7 @@ class ValueGroup:
         self._sets.begin()
 
     def take(self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]) -> None:
-        """Take a publish that carries some of our values. Tell the listeners when it completes a set."""
+        """Take a publish that carries some of our values. If it completes a set, call the listeners."""
         snapshot = self._sets.take(time_s, values, numbers)
         if snapshot is not None:
             self.listeners.tell(time_s, snapshot)
@@ -411,7 +417,7 @@ class ValueGroup:
 def _has_length(values: object) -> bool:
     try:
         len(values)  # type: ignore[arg-type]
-    except TypeError:  # also of numpy's scalars, which have the method
+    except TypeError:  # raised also for numpy's scalars, which have the method
         return False
     return True
 
@@ -429,7 +435,7 @@ def _any_checked(values: Iterable[PublishedValue]) -> bool | None:
 
 
 async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:
-    """Await jobs at the same time. All end before the first error is raised."""
+    """Await jobs at the same time. All jobs end before the first error is raised."""
     ended = await asyncio.gather(*jobs, return_exceptions=True)
     for result in ended:
         if isinstance(result, BaseException):

@@ -18,8 +18,8 @@ logger = logging.getLogger("unitylink.publishing")
 
 T = TypeVar("T")
 
-STREAM_LIMIT = 65_536  # publishes kept for an `async for` that does not keep up
-ALIVE_CHECK_S = 0.2  # how soon an `async for` notices its end
+STREAM_LIMIT = 65_536  # publishes that are kept for an `async for` that is too slow
+ALIVE_CHECK_S = 0.2  # how soon an `async for` notices the end
 
 
 class Listeners(Generic[T]):
@@ -27,7 +27,7 @@ class Listeners(Generic[T]):
 
     def __init__(self, item: str) -> None:
         self._item = item
-        self._lock = threading.Lock()  # held to add or remove callbacks only
+        self._lock = threading.Lock()  # held only to add or remove callbacks
         self._publish: tuple[Callable[[float, T], object], ...] = ()
         self._change: tuple[Callable[[T], object], ...] = ()
         self.previous: object = None  # nothing has been published yet
@@ -66,10 +66,10 @@ class Listeners(Generic[T]):
         alive: Callable[[], bool],
         newest: Callable[[], tuple[float, T] | None] = lambda: None,
     ) -> AsyncIterator[tuple[float, T]]:
-        """Iterate over (time_s, value) of every publish, from any thread, until not `alive`.
+        """Iterate over (time_s, value) of every publish, from any thread, while `alive()` is true.
 
-        `begin` starts the publishes. The listener is there before, so the first is not lost. If they come
-        already, the iteration begins with `newest`, because the next one may take long.
+        `begin` starts the publishes. The listener is registered before, so the first publish is not lost. If
+        publishes already come, the iteration begins with `newest`, because the next one may take long.
         """
         waiting: deque[tuple[float, T]] = deque(maxlen=STREAM_LIMIT)
         wake: list[Callable[[], object]] = []
@@ -85,7 +85,7 @@ class Listeners(Generic[T]):
         try:
             older = len(waiting)
             first = newest()
-            if first is not None:  # what had come before it was asked for is in it, or older
+            if first is not None:  # publishes from before the request are in `first`, or are older
                 for _ in range(older):
                     waiting.popleft()
             begin()
@@ -93,7 +93,7 @@ class Listeners(Generic[T]):
             remove()
             raise
         stream = self._stream(waiting, wake, first, alive, remove)
-        finalize(stream, remove)  # it may never be begun
+        finalize(stream, remove)  # the iteration may never start
         return stream
 
     @staticmethod
@@ -113,8 +113,9 @@ class Listeners(Generic[T]):
             while waiting or alive():
                 while waiting:
                     one = waiting.popleft()
-                    # Not by the time: that of `first` may be the PC's, and that of a publish is the device's.
-                    if first is None or one != first:  # otherwise it came while it was asked for
+                    # Do not compare times: that of `first` may be by the PC's clock, and that of a publish is
+                    # by the device's.
+                    if first is None or one != first:  # otherwise it came during the request
                         yield one
                 try:
                     await asyncio.wait_for(arrived.wait(), ALIVE_CHECK_S)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The names of attributes, and the version, of generated code and of trees that are made at run time."""
+"""Names of attributes, and the version, for generated code and for trees that are made at run time."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from unitylink import values
 from unitylink.spec.model import Element, Group, Instance, Spec
 
-BINDING_VERSION = 3  # what generated code expects of this layer; raised when that changes
+BINDING_VERSION = 3  # the version of what generated code expects of this layer; raise it when that changes
 
-# The public names of Node; a test compares. A spec may use them: its attribute then ends in "_".
+# The public names of Node. A test compares them. A spec may use them. Its attribute then ends in "_".
 NODE_NAMES = frozenset(
     {
         "apply_initial",
@@ -33,7 +33,7 @@ NODE_NAMES = frozenset(
     }
 )
 
-# Names that a generated module uses itself: no class and no attribute of a spec can have them.
+# Names that a generated module uses itself. No class and no attribute of a spec can have them.
 MODULE_NAMES = frozenset(
     {
         "ClearValue",
@@ -51,17 +51,20 @@ MODULE_NAMES = frozenset(
         "facts",
     }
 )
-# Attributes cannot be called like the types in the annotations of generated classes either.
+# Nor can attributes have the names of types in the annotations of generated classes.
 ATTRIBUTE_NAMES = NODE_NAMES | MODULE_NAMES | {"bool", "float", "int", "str", "tuple"}
 
 
 def python_names(names: Iterable[str], reserved: Iterable[str] = ATTRIBUTE_NAMES) -> dict[str, str]:
-    """Map spec names to attributes of a Node, as `values.python_names` does."""
+    """Map names of a spec to attributes of a Node, as `values.python_names` does."""
     return values.python_names(names, reserved)
 
 
 def attribute_of(member: Instance | Element | Group) -> str:
-    """Return the name under which a node has a member. For a member of an array it is the array's name."""
+    """Return the name under which a node has a member.
+
+    For a member of an array, it is the name of the array.
+    """
     return member.name if isinstance(member, Group) else member.array or member.name
 
 

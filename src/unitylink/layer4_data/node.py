@@ -33,9 +33,10 @@ if TYPE_CHECKING:
 
 
 class Node:
-    """Hold the values, groups and parts of one expansion of a constructor, under the spec's names.
+    """Hold the values, groups and parts of one expansion of a constructor, under the names of the spec.
 
-    `node["j1.cpos"]` finds by path, iteration gives every value below, `snapshot()` reads all READs at once.
+    `node["j1.cpos"]` finds a part by its path. Iteration gives every value below. `snapshot()` reads all
+    READs at once.
 
     >>> for value in robot:                                   # doctest: +SKIP
     ...     print(value.path, hex(value.address))
@@ -71,7 +72,7 @@ class Node:
         cls._closed = closed
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Set each member only once: if a number replaced a value, nothing could write it any more."""
+        """Set each member only once. If a number replaced a value, nothing could write the value any more."""
         held = self.__dict__.get(name)
         if name.startswith("_"):
             pass
@@ -86,10 +87,10 @@ class Node:
         object.__setattr__(self, name, value)
 
     def __setitem__(self, path: str, value: object) -> None:
-        """Refuse what is meant as a write."""
+        """Refuse the assignment, because a write was probably meant."""
         refuse(self._path(path), self[path], value)
 
-    # What builds generated classes and trees from a Spec
+    # What generated classes, and trees made from a Spec, are built with
 
     def _bind(self, kind: str, **binding: Any) -> None:
         self._hardware = self._tree.hardware(kind, **binding)
@@ -150,7 +151,10 @@ class Node:
                 yield from member
 
     def __getitem__(self, path: str) -> Value[Any] | ValueGroup | Node:
-        """Return the value, group or part at a path of the spec's names. UnknownName lists similar names."""
+        """Return the value, group or part at a path of names.
+
+        Raises UnknownName, which lists similar names.
+        """
         if not isinstance(path, str):
             raise UnknownName(f"{self.path or self.name}: names are text, not {shown(path)}")
         here: Value[Any] | ValueGroup | Node = self
@@ -171,19 +175,22 @@ class Node:
     def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
         """Read every READ below at once. Keys are paths relative to this node. See ValueGroup.snapshot.
 
-        Values that reading would change (READCLEAR) are omitted.
+        Values that a read would change (READCLEAR) are left out.
         """
         return self._all().snapshot(consistent=consistent, timeout_s=timeout_s)
 
     def apply_initial(self, *, timeout_s: float | None = None) -> None:
-        """Write the INITIAL values of everything below, together; on TosNet with one commit.
+        """Write the INITIAL values of everything below, together. On TosNet this is one commit.
 
-        Opening a link writes nothing: a robot that is running must not jump.
+        Opening a link writes nothing, because a running robot must not jump.
         """
         self._apply("initial", timeout_s)
 
     def apply_safe(self, *, timeout_s: float | None = None) -> None:
-        """Write the SAFE values of everything below, together. Values without one stay as they are."""
+        """Write the SAFE values of everything below, together.
+
+        Values without a SAFE value are not written.
+        """
         self._apply("safe", timeout_s)
 
     def _apply(self, which: str, timeout_s: float | None) -> None:
@@ -201,7 +208,7 @@ class Node:
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """The links of the values below, each once, for example for `link.health()`."""
+        """The links of the values below, each once. For example, call `link.health()` on each."""
         return tuple(dict.fromkeys(value.hardware.link for value in self))
 
     @property
@@ -222,8 +229,10 @@ class Node:
         return self._published().publishes()
 
     def start_publishing(self, *, fallback: bool = False) -> None:
-        """Start the whole tree's publishes. With `fallback` the PC polls those that do not fit the
-        gateware."""
+        """Start the whole tree's publishes.
+
+        With `fallback`, the PC polls those that do not fit into the gateware.
+        """
         self.publisher.start(fallback=fallback)
 
     def stop_publishing(self) -> None:

@@ -20,7 +20,7 @@ class Poller:
     """Read a plan's words at its rate and deliver them. A read that fails is counted as lost.
 
     The first failure is logged, and so is the first success after it. A poll that is too late is skipped and
-    counted, and not made up for. The time delivered is the middle of the read.
+    counted. It is not made up for. The time of a poll is the middle of the read.
     """
 
     def __init__(self, plan: PublishPlan, deliver: Callable[[float, Sequence[int]], None]) -> None:
@@ -41,7 +41,7 @@ class Poller:
         link, addresses = self._plan.link, self._plan.addresses
         atomic = 1 < len(addresses) <= link.configuration.read_many
         checked, period_s = self._plan.checked, 1 / self._plan.rate_hz
-        failed = 0  # failed polls since the last that worked
+        failed = 0  # polls that have failed since the last one that worked
         due = time.monotonic()
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             started = link.now_s()

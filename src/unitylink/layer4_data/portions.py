@@ -9,7 +9,10 @@ from .published import PublishedValue
 
 
 def portions(values: Sequence[PublishedValue], consistent: bool) -> list[tuple[list[int], bool]]:
-    """Return what is read at once: (addresses, atomic). No value of several words is ever divided."""
+    """Return the portions that are read at once: (addresses, atomic).
+
+    A value of several words is never divided.
+    """
     whole = [address for value in values for address in value.addresses]
     if consistent or len(whole) == len(values):
         return [(whole, consistent and len(whole) > 1)]

@@ -23,7 +23,7 @@ HARDWARE, SOFTWARE = 1, 2  # the modes of PUBLISH(mode, divisor)
 
 
 def base_hz(link: Link) -> int:
-    """Return the base publish frequency. Gateware without one is polled at the default."""
+    """Return the base publish frequency. If the gateware has none, the default is used for polling."""
     return link.configuration.base_hz or protocol.BASE_HZ_DEFAULT
 
 
@@ -31,8 +31,8 @@ def base_hz(link: Link) -> int:
 class PublishPlan:
     """Values of one link that are published together: by one gateware group (mode 1) or one poll (mode 2).
 
-    `number` is the gateware's group if it must be a certain one: the group whose event line triggers the
-    publish.
+    `number` is the gateware's group if it must be a certain one. This is the group whose event line triggers
+    the publish.
     """
 
     link: Link
@@ -63,7 +63,7 @@ class PublishPlan:
 
     @property
     def rate_hz(self) -> float:
-        """The rate. 0 if an event triggers the publish, not the clock."""
+        """The rate. It is 0 if an event triggers the publish, and not the clock."""
         return base_hz(self.link) / self.divisor if self.divisor else 0.0
 
     def polled(self) -> PublishPlan:
@@ -75,8 +75,9 @@ class PublishPlan:
 class PublishReport:
     """What one publish has done so far. `rate_hz` is 0 if an event triggers it.
 
-    `lost` ones were overwritten before they were taken, were not polled, or held a number that their type
-    does not have."""
+    `lost` publishes were overwritten before they were taken, were not polled, or held an invalid number for
+    their type.
+    """
 
     url: str
     hardware: bool
@@ -90,7 +91,7 @@ class PublishReport:
 Taker = Callable[[float, Sequence[PublishedValue], Sequence[Any], Sequence[int]], None]
 # many publishes at once: (n,) times in s, the k values, (n, k) raw numbers
 ArraysTaker = Callable[["Times", Sequence[PublishedValue], "Words"], None]
-# without the second, the taker wants each publish by itself
+# without the second one, the taker wants each publish by itself
 Takers = Sequence[tuple[Taker, ArraysTaker | None]]
 
 
@@ -158,7 +159,7 @@ class Publication:
         self.received += 1
         if self._rare:
             self.newest = time_s, numbers
-        groups: dict[PublishedGroup, None] = {}  # a set that keeps its order
+        groups: dict[PublishedGroup, None] = {}  # used as a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
             listeners = value.listeners
             if listeners.heard:
@@ -173,7 +174,9 @@ class Publication:
             take(time_s, values, numbers, raws)
 
     def deliver_arrays(self, times: Times, words: Words) -> bool:
-        """Take many publishes at once. Return False, and do nothing, if a listener wants each by itself.
+        """Take many publishes at once.
+
+        Return False, and do nothing, if a listener wants each publish by itself.
 
         If a fast stream is only recorded, or only its latest value counts, arrays are much cheaper.
         """

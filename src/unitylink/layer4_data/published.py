@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What publishing needs of a value, and of a group of values. `ReadValue` and `ValueGroup` are such."""
+"""What publishing needs from a value, and from a group of values. `ReadValue` and `ValueGroup` have it."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class PublishedGroup(Protocol):
 
 
 class HasCodec(Protocol):
-    """Whatever is one or several words."""
+    """Anything that consists of one or several words."""
 
     @property
     def codec(self) -> Codec: ...
 
 
 class PublishedValue(Protocol):
-    """A value that publishes bring. `latest` and `raw` are those of the last."""
+    """A value that publishes bring. `latest` and `raw` are from the last publish."""
 
     path: str
     hardware: HardwareProxy

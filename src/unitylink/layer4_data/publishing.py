@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 
 
 def plan(items: Iterable[tuple[PublishedValue, Publish]], *, fallback: bool = False) -> list[PublishPlan]:
-    """Assign values to publishes. Values of the same link, mode, trigger, rate and group name share one.
+    """Assign values to publishes. Values with the same link, mode, trigger, rate and group name share one.
 
-    The values of one publish are one snapshot. A full gateware group is continued in the next. If the
-    gateware has too few groups, raise DeviceMismatch with the counts, or with `fallback` let the PC poll the
-    rest. Publishes on events come first, because each needs the group of its event line.
+    The values of one publish are one snapshot. When a gateware group is full, the next one takes the rest. If
+    the gateware has too few groups, raise DeviceMismatch with the counts. With `fallback`, let the PC poll
+    the rest. Publishes on events come first, because each of them needs the group of its event line.
     """
     shared: dict[tuple[Link, int, str, int, str, str], list[PublishedValue]] = {}
     for value, publish in items:
@@ -44,7 +44,7 @@ def plan(items: Iterable[tuple[PublishedValue, Publish]], *, fallback: bool = Fa
         shared.setdefault((value.hardware.link, *key), []).append(value)
     plans: list[PublishPlan] = []
     allocations: dict[Link, _Allocation] = {}
-    # False is before True: events first
+    # False is before True, so events come first
     for (link, mode, trigger, divisor, event, group), values in sorted(
         shared.items(), key=lambda item: item[0][2] == "rate"
     ):
@@ -60,7 +60,7 @@ def plan(items: Iterable[tuple[PublishedValue, Publish]], *, fallback: bool = Fa
 
 
 class _Allocation:
-    """The groups of one gateware, as they are assigned."""
+    """The groups of one gateware that are already assigned."""
 
     def __init__(self, link: Link) -> None:
         configuration = link.configuration
@@ -125,14 +125,14 @@ def _read(item: PublishPlan) -> tuple[int, ...]:
     return tuple(words.tolist())
 
 
-DIVISOR_MAX = 0xFFFFFFFF  # of the base rate, as of the gateware's own publishes
+DIVISOR_MAX = 0xFFFFFFFF  # divisor of the base rate, with the same limit as in the gateware
 RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is busy
 
 
 class Publisher:
     """Run the publishes of one tree of values.
 
-    With `gather_s` publishes may be delivered that much later, several at a time. Each keeps its own time.
+    With `gather_s`, publishes may be delivered so much later, several at a time. Each keeps its own time.
 
     >>> publisher.start()                                  # doctest: +SKIP
     >>> [(r.rate_hz, r.received) for r in publisher.reports()]   # doctest: +SKIP
@@ -157,7 +157,7 @@ class Publisher:
             self._items[value] = value.publish
 
     def require(self, value: PublishedValue, rate_hz: float | None = None) -> None:
-        """Make sure that a value is published. Without a PUBLISH in the spec it is polled at `rate_hz`."""
+        """Make sure that a value is published. Without a PUBLISH in the spec, it is polled at `rate_hz`."""
         self.demand(value, rate_hz)
         with self._lock:
             missing = not any(value in publication.plan.values for publication in self._running)
@@ -172,7 +172,7 @@ class Publisher:
             return self._items[value]
 
     def newest(self, value: PublishedValue) -> tuple[float, Any] | None:
-        """Return the time and value of the last publish on change. None without one."""
+        """Return the time and value of the last publish on change. Return None if there was none."""
         with self._lock:
             for publication in self._running:
                 if value in publication.plan.values and publication.newest is not None:
@@ -181,7 +181,7 @@ class Publisher:
         return None
 
     def demand(self, value: PublishedValue, rate_hz: float | None = None) -> None:
-        """Plan a value as `require` does, without starting yet. ValueRangeError if it has no rate."""
+        """Plan a value as `require` does, without starting yet. Raises ValueRangeError if it has no rate."""
         if value.publish is not None:
             if rate_hz is not None:
                 raise ValueRangeError(f"{value.path}: the spec gives its rate by PUBLISH; leave rate_hz out")
@@ -200,7 +200,10 @@ class Publisher:
             )
 
     def start(self, *, fallback: bool = False) -> None:
-        """Start all planned publishes. With `fallback` the PC polls what the gateware has no room for."""
+        """Start all planned publishes.
+
+        With `fallback`, the PC polls those for which the gateware has no room.
+        """
         failed: list[Publication] = []
         try:
             with self._lock:
@@ -215,7 +218,7 @@ class Publisher:
                     failed, self._running = self._running, []
                     raise
         finally:
-            # Not under the lock: closing a poll waits for its callback, which may want the lock.
+            # Not under the lock, because closing a poll waits for its callback, and that may want the lock.
             for publication in failed:
                 publication.close()
 
@@ -232,7 +235,7 @@ class Publisher:
                     ring=min(max(RING, round(item.rate_hz * RING_S)), RING_MOST),
                     group=item.number,
                 )
-            except DeviceMismatch:  # another user of the link has the groups
+            except DeviceMismatch:  # another user of the link has taken the groups
                 if not self._fallback or not item.divisor:
                     raise
                 item = item.polled()
@@ -259,7 +262,10 @@ class Publisher:
         return publication
 
     def stop(self) -> None:
-        """Stop all publishes. No callback starts after this returns. A callback that calls stop finishes."""
+        """Stop all publishes.
+
+        No callback starts after this returns. A callback that calls stop runs to its end.
+        """
         with self._lock:
             running, self._running = self._running, []
         for publication in running:
@@ -280,7 +286,7 @@ class Publisher:
             return [publication.report() for publication in self._running]
 
     def take_with(self, taker: Taker, arrays: ArraysTaker | None = None) -> None:
-        """Hand every publish to `taker(time_s, values, numbers, raws)` from now on.
+        """Give every publish to `taker(time_s, values, numbers, raws)` from now on.
 
         With `arrays` it may instead get many at once: `arrays(times, values, raws)`.
         """

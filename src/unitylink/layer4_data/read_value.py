@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Values the PC reads."""
+"""Values that the PC reads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class ReadValue(Value[T]):
-    """A value the PC reads, in engineering units.
+    """A value that the PC reads, in engineering units.
 
     >>> robot.j1.cpos.read()                      # doctest: +SKIP
     -1.204
@@ -27,7 +27,7 @@ class ReadValue(Value[T]):
     def _prepare(self) -> None:
         super()._prepare()
         self._repeat = self.pollable and self.hardware.repeatable_reads
-        self._sign = self.codec.integer_sign  # the fast way: one word that needs at most a sign
+        self._sign = self.codec.integer_sign  # the fast way is for one word that needs at most a sign
         self._mask = self.codec.mask
         self._many = self.codec.words > 1
         self._reader = self.hardware.reader(self.relative_address, checked=self.checked, repeat=self._repeat)
@@ -37,7 +37,7 @@ class ReadValue(Value[T]):
     def read(self, timeout_s: float | None = None) -> T:
         """Read the value. If that fails, raise a LinkError that names it.
 
-        A value of several words is read in one bus transaction, so that they belong together.
+        A value of several words is read in one bus transaction, so its words are of one moment.
         """
         try:
             if self._many:
@@ -85,9 +85,11 @@ class ReadValue(Value[T]):
     def on_publish(
         self, callback: Callable[[float, T], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Start publishing, and call `callback(time_s, value)` at each publish. Return what ends it.
+        """Start publishing, and call `callback(time_s, value)` at each publish.
 
-        A value without PUBLISH in the spec needs `rate_hz`: the PC then polls it. `time_s` is monotonic host
+        Return a function that ends this.
+
+        A value without PUBLISH in the spec needs `rate_hz`. The PC then polls it. `time_s` is monotonic host
         time. The callback runs in the link's callback thread. An exception in it is logged and does not stop
         the others.
         """
@@ -96,14 +98,14 @@ class ReadValue(Value[T]):
     def on_change(
         self, callback: Callable[[T], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(value)` when a publish brings a new value. Otherwise like `on_publish`."""
+        """Call `callback(value)` when a publish brings a new value. Otherwise it is like `on_publish`."""
         return self._with_publishes(self.listeners.on_change(callback), rate_hz)
 
     def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, T]]:
         """Iterate over publishes: `async for time_s, value in robot.j1.cpos.publishes():`.
 
-        Starts publishing as `on_publish` does. Ends when publishing is stopped or the link is closed. A value
-        that is published on change begins with its newest value.
+        It starts publishing as `on_publish` does. It ends when publishing is stopped or the link is closed.
+        For a value that is published on change, it begins with the newest value.
         """
         return self.listeners.stream(
             lambda: self.publisher.require(self, rate_hz),
@@ -112,7 +114,7 @@ class ReadValue(Value[T]):
         )
 
     def _with_publishes(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
-        """Start the publishes for a listener. The listener is there before the first one."""
+        """Start the publishes for a listener. The listener is registered before the first publish."""
         try:
             self.publisher.require(self, rate_hz)
         except BaseException:
@@ -121,15 +123,15 @@ class ReadValue(Value[T]):
         return take_back
 
     def is_published(self) -> bool:
-        """Return whether publishes can come: publishing was started, and the link is open."""
+        """Return whether publishes can come: publishing has been started, and the link is open."""
         return self.publisher.active and not self.hardware.link.closed
 
 
 class ReadClearValue(ReadValue[T]):
-    """A value that reading changes, such as a counter that is then zero. It is read only by its name.
+    """A value that a read changes, such as a counter that is zero afterwards. It is read only by its name.
 
-    No read is repeated: a lost reply may have taken the value with it (LinkTimeout). Snapshots of a node and
-    `watch` omit it.
+    No read is repeated, because a lost reply may have taken the value with it (LinkTimeout). Snapshots of a
+    node and `watch` leave it out.
     """
 
     access = "READCLEAR"

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class Recording:
     """Keep every publish and every set-point of a tree while the `with` block runs.
 
-    A set-point has its value at the beginning, if that is known, and each write that was done. A value that
-    is both published and written is recorded from its publishes.
+    A set-point begins with its value at the start, if that is known. Each write that was done follows. A
+    value that is both published and written is recorded from its publishes.
 
     >>> with robot.publishing(), robot.record() as recording:     # doctest: +SKIP
     ...     run()
@@ -37,7 +37,7 @@ class Recording:
     def __init__(self, publisher: Publisher, set_points: Iterable[WriteValue[Any]] = ()) -> None:
         self._publisher = publisher
         self._set_points = [value for value in set_points if getattr(value, "publish", None) is None]
-        # by the values of a publish: the times, and the raw numbers at each
+        # by the values of a publish: the times, and the raw numbers at each time
         self._parts: dict[tuple[PublishedValue, ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
 
     def _take(
@@ -65,7 +65,7 @@ class Recording:
             value.recorders = tuple(heard for heard in value.recorders if heard != self._written)
 
     def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
-        """Return (times in s, values) of one path, both of shape (n,). UnknownName if nothing came.
+        """Return (times in s, values) of one path, both of shape (n,). Raises UnknownName if nothing came.
 
         Values are float64, int64, uint64 or bool, as the type needs. Enumerations and packed values are
         numbers.
@@ -73,7 +73,7 @@ class Recording:
         for values, samples in self._parts.items():
             for column, value in enumerate(values):
                 if value.path == path:
-                    parts = list(samples)  # publishing may still go on
+                    parts = list(samples)  # a copy, because publishing may still go on
                     return (
                         np.concatenate([np.asarray(times, np.float64) for times, _ in parts]),
                         value.codec.decode_array(

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From publishes to sets: values sampled together, with the newest of those that come at other times."""
+"""From publishes to sets: values that are sampled together, with the newest of those that come at other
+times.
+"""
 
 from __future__ import annotations
 
@@ -21,21 +23,24 @@ _STEP_PART = 0.75  # of a period; an older sample belongs to the tick before
 
 
 class Sets:
-    """Make one set of some READs for each beat: a tick of one of their rates, or an event.
+    """Make one set of some READs for each beat. A beat is a tick of one of their rates, or an event.
 
     Values of the same rate belong to one beat, whatever gateware groups and links carry them. A set waits for
-    all of them. The other values are the last that came. A value that has not come yet is not in the set.
+    all of them. The other values are the newest that have come. A value that has not come yet is not in the
+    set.
     """
 
     def __init__(self, reads: Mapping[str, PublishedValue], labels: Mapping[Link, str]) -> None:
         self._lock = threading.Lock()
         self._begun = False
         self._reads, self._labels = reads, labels
-        self._newest: dict[PublishedValue, tuple[float, Any]] = {}  # when it was sampled, and its number
+        # value -> (time of its sample, its number)
+        self._newest: dict[PublishedValue, tuple[float, Any]] = {}
         self._times_s: dict[str, float] = {}
         self._beats: dict[PublishedValue, Hashable] = {}
-        self._sizes: dict[Hashable, int] = {}  # beat -> of how many values
-        self._fresh: dict[Hashable, dict[PublishedValue, float]] = {}  # beat -> its values that have come
+        self._sizes: dict[Hashable, int] = {}  # beat -> number of its values
+        # beat -> those of its values that have come
+        self._fresh: dict[Hashable, dict[PublishedValue, float]] = {}
 
     def expect(self, publishes: Mapping[PublishedValue, Publish]) -> None:
         """Tell how each READ is published."""
@@ -49,18 +54,18 @@ class Sets:
             self._fresh = {beat: {} for beat in self._sizes}
 
     def begin(self) -> None:
-        """Make sets from now on. Values that are known already are in the first."""
+        """Make sets from now on. Values that are already known are in the first set."""
         self._begun = True
 
     @property
     def unknown(self) -> list[PublishedValue]:
-        """The values that the first sets may lack. None if all come with one beat of a rate."""
+        """The values that the first sets may lack. None if all values come with one beat of a rate."""
         if len(self._sizes) <= 1 and all(isinstance(beat, float) for beat in self._sizes):
             return []
         return [value for value in self._reads.values() if value not in self._newest]
 
     def seed(self, time_s: float, value: PublishedValue, number: Any) -> None:
-        """Take values that were read, in place of those not published yet."""
+        """Take values that were read, for those that have not been published yet."""
         with self._lock:
             if value not in self._newest:
                 self._keep(time_s, value, number)
@@ -68,7 +73,7 @@ class Sets:
     def take(
         self, time_s: float, values: Sequence[PublishedValue], numbers: Sequence[Any]
     ) -> Snapshot | None:
-        """Take a publish that carries some of our values. Return the set that it completes."""
+        """Take a publish that carries some of our values. Return the set that it completes, or None."""
         with self._lock:
             beat: Hashable = None
             for value, number in zip(values, numbers, strict=True):
@@ -87,7 +92,7 @@ class Sets:
             return self._set()
 
     def current(self) -> Snapshot | None:
-        """Return the set as it is known now. None if nothing is known."""
+        """Return the set as it is now. Return None if nothing is known."""
         with self._lock:
             return self._set() if self._newest else None
 
@@ -105,10 +110,9 @@ class Sets:
         )
 
     def _drop_stale(self, beat: Hashable) -> bool:
-        """Forget samples of the tick before. True if there were any.
+        """Forget samples of the tick before. Return True if there were any.
 
-        There are such samples after a publish of another gateware group was lost. Now the groups are in step
-        again.
+        They exist if a publish of another gateware group was lost. Now the groups are in step again.
         """
         fresh = self._fresh[beat]
         if len(set(fresh.values())) == 1:
@@ -121,7 +125,7 @@ class Sets:
 
 
 def _beat(value: PublishedValue, publish: Publish) -> Hashable:
-    """Return the period in s, or the event."""
+    """Return the beat of a value: its period in s, or its event."""
     link = value.hardware.link
     if publish.trigger == "rate":
         return round(publish.divisor / base_hz(link), 9)
@@ -129,7 +133,10 @@ def _beat(value: PublishedValue, publish: Publish) -> Hashable:
 
 
 def _patience_s(value: PublishedValue) -> float:
-    """Return how much older than the newest a sample of a set may be, if the device tells its time."""
+    """Return how much older than the newest one a sample of a set may be.
+
+    This needs a device that tells its time.
+    """
     link = value.hardware.link
     if value.publish is None or not value.publish.divisor or link.protocol != "framed":
         return math.inf

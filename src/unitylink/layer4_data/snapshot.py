@@ -13,8 +13,8 @@ class Snapshot(Mapping[str, Any]):
     """A read-only mapping from path to value in engineering units, with the time of the sample.
 
     `time_s` is the monotonic host time of the newest part. `times_s` has one time for each link (by URL),
-    because a group over several links is consistent only within each. `sampled_s` has the time of each value,
-    by path.
+    because a group over several links is consistent only within each link. `sampled_s` has the time of each
+    value, by path.
 
     >>> s = Snapshot({"j1.cpos": -3, "j2.cpos": 4}, {"sim:": 12.5}, {"j1.cpos": 12.5, "j2.cpos": 12.0})
     >>> s["j1.cpos"], s.time_s, s.time_s - s.sampled_s["j2.cpos"]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tree of values of a Spec, made at run time: the same as generated code makes, without a file."""
+"""The tree of values of a Spec, made at run time.
+
+It is the same as that of generated code, but without a file.
+"""
 
 from __future__ import annotations
 
@@ -31,11 +34,12 @@ def load_spec_objects(
 ) -> Node:
     """Build the objects of a spec's public constructor: `node.j1.cpos.read()`.
 
-    With several public constructors `root` chooses one. Without `root` each one that the gateware has becomes
-    a part of the returned node. Paths then start with its name, as in `Spec.walk()`. `links` gives the links
-    other than `link` by name: those of CTRL and COMM parameters, and those that the spec declares.
+    If there are several public constructors, `root` chooses one. Without `root`, each constructor that the
+    gateware has becomes a part of the returned node. Paths then start with its name, as in `Spec.walk()`.
+    `links` gives the links other than `link` by name: those of CTRL and COMM parameters, and those that the
+    spec declares.
 
-    Raises DeviceMismatch if the gateware says that it was built from another spec, see `Link.check_spec`.
+    Raises DeviceMismatch if the gateware reports that it was built from another spec (see `Link.check_spec`).
 
     >>> robot = load_spec_objects(unitylink.spec.load("scara.ul"), link)   # doctest: +SKIP
     >>> robot["j1.cpos"].read()                                            # doctest: +SKIP
@@ -87,7 +91,7 @@ def load_spec_objects(
 
 
 def _check_gateware(spec: Spec, root: Instance, tree: Tree) -> None:
-    """Raise DeviceMismatch if a link leads to gateware without what `root` reaches through it."""
+    """Raise DeviceMismatch if the gateware behind a link lacks something that `root` reaches through it."""
     for ctrl, comm, declared in {(e.link.ctrl, e.link.comm, e.link.link) for e in root.walk()}:
         for link in {tree.link_of(ctrl, declared), tree.link_of(comm, declared)}:
             link.check_spec(spec.source, wire_hashes(spec, root.name, comm))
@@ -111,7 +115,7 @@ class _Builder:
 
     def fill(self, node: Node, instance: Instance, above: Instance | None) -> None:
         """Give a node the members of an instance: parts and values first, then the groups that refer to
-        them. Members of an array are a tuple under the array's name."""
+        them. The members of an array become a tuple under the array's name."""
         link = instance.link
         if above is None or link != above.link:
             node._bind(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One typed value of the gateware, by name: what reading and writing have in common."""
+"""One typed value of the gateware, by name: what reads and writes have in common."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ T = TypeVar("T")
 
 
 class Value(Generic[T]):
-    """A value at a final bus address, reached through a hardware proxy.
+    """A value at an absolute bus address, reached through a hardware proxy.
 
-    `quantity` says what the value means to its user. Without one it is an integer as wide as the bus, in
+    `quantity` says what the value means to its user. Without one, it is an integer as wide as the bus, in
     two's complement if `signed`. A value wider than the bus takes `words` consecutive words, the low one
-    first. `latest` is the value last read, published or written, and `raw` its number on the wire. Both are
-    None before.
+    first. `latest` is the value that was last read, published or written. `raw` is its number on the wire.
+    Both are None before that.
 
     Raises BindingError if the board does not belong to the spec. Raises DeviceMismatch for a PULSE or a value
     with SAFE, if the link has fallen back to the classic protocol by itself.
     """
 
     access = ""
-    pollable = False  # may be read unasked
-    writable = False  # keeps what is written
+    pollable = False  # whether it may be read without being named
+    writable = False  # whether it keeps what is written
 
     def __init__(
         self,
@@ -79,7 +79,7 @@ class Value(Generic[T]):
         self.address = address
         self.addresses = tuple(range(address, address + self.codec.words))
         self.quantity = quantity
-        self.checked = True if checked else None  # None: the link's default
+        self.checked = True if checked else None  # None stands for the link's default
         self.display = display or path
         given = Publish(*publish) if isinstance(publish, tuple) else publish
         # The rate follows from the base rate of the device, which may differ from the spec's.
@@ -89,11 +89,11 @@ class Value(Generic[T]):
         self.latest: T | None = None
         self.raw: int | None = None
         self.listeners: Listeners[T] = Listeners(path)
-        self.groups: tuple[PublishedGroup, ...] = ()  # those that have listeners
+        self.groups: tuple[PublishedGroup, ...] = ()  # those groups that have listeners
         self._prepare()
 
     def _prepare(self) -> None:
-        """Prepare what a kind of access needs. A kind that is two at once does both."""
+        """Prepare what this kind of access needs. A class that combines two kinds does both."""
 
     @property
     def unit(self) -> str:
@@ -105,7 +105,7 @@ class Value(Generic[T]):
 
     @property
     def minimum(self) -> Any:
-        """The smallest value that can be written, in `unit`: the spec's limit, or else the type's."""
+        """The smallest value that can be written, in `unit`. It is the spec's limit, or else the type's."""
         return self.codec.minimum
 
     @property
@@ -122,7 +122,7 @@ class Value(Generic[T]):
         return [address - self.hardware.base for address in self.addresses]
 
     def take(self, raw: int) -> T:
-        """Make a raw number that was read or published the latest value. Return that value."""
+        """Make a raw number that was read or published the latest value. Return the latest value."""
         value: T = self.codec.decode(raw)
         self.raw, self.latest = raw, value
         return value

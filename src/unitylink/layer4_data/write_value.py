@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Values the PC writes."""
+"""Values that the PC writes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class WriteValue(Value[T]):
-    """A value the PC writes, in engineering units.
+    """A value that the PC writes, in engineering units.
 
     >>> robot.j1.pos_sp.write(-0.5)               # doctest: +SKIP
     >>> robot.j1.pos_sp = -0.5                    # doctest: +SKIP
@@ -43,14 +43,17 @@ class WriteValue(Value[T]):
             heard(self, raw)
 
     def encode(self, value: T | SupportsIndex) -> int:
-        """Return the raw number for `value`. ValueRangeError names the item, its range and its unit."""
+        """Return the raw number for `value`.
+
+        Raises ValueRangeError, which names the item, its range and its unit.
+        """
         return self.codec.encode(value)
 
     def write(self, value: T | SupportsIndex, timeout_s: float | None = None) -> None:
-        """Write the value (on TosNet: with a commit). ValueRangeError comes before anything is sent.
+        """Write the value. On TosNet, a commit follows. Raises ValueRangeError before anything is sent.
 
-        A value of several words goes out in one burst, the low word first. In plain memory the gateware must
-        take it over when the high word comes. Behind a commit it is whole at once.
+        A value of several words is sent in one burst, with the low word first. In plain memory, the gateware
+        must take over the value when the high word comes. Behind a commit, all words take effect together.
         """
         raw = self.encode(value)
         try:
@@ -65,7 +68,7 @@ class WriteValue(Value[T]):
         self.wrote(raw)
 
     async def write_async(self, value: T | SupportsIndex, timeout_s: float | None = None) -> None:
-        """Write the value, as `write`."""
+        """Write the value, as `write` does."""
         raw = self.encode(value)
         try:
             if self.codec.words == 1:
@@ -82,13 +85,16 @@ class WriteValue(Value[T]):
 
 
 class ReadWriteValue(ReadValue[T], WriteValue[T]):
-    """A value the PC reads and writes: one word that both sides may change."""
+    """A value that the PC reads and writes: one word that both sides may change."""
 
     access = "READWRITE"
 
 
 class _Strobe(Value[T]):
-    """A value whose write has an effect. It is never repeated by itself, but ends in OutcomeUnknown."""
+    """A value whose write has an effect.
+
+    The write is never repeated. If its reply is lost, OutcomeUnknown is raised.
+    """
 
     def _prepare(self) -> None:
         super()._prepare()
@@ -130,7 +136,10 @@ class ClearValue(ReadValue[T], _Strobe[T]):
     access = "W1C"
 
     def clear(self, value: Any = None, *, timeout_s: float | None = None) -> None:
-        """Clear the flags set in `value`, by default those last read. Flags that came since then stay."""
+        """Clear the flags set in `value`, by default those last read.
+
+        Flags that came after that read stay set.
+        """
         if value is None and self.raw is None:
             raise ValueRangeError(
                 f"{self.path}: no value was read yet, so the flags to clear are not known; "

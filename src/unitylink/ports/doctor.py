@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The doctor: a link in, findings out, the worst first.
+"""The doctor: it takes a link and returns findings, with the worst first.
 
 It first asks the operating system, then opens the port, then tries the link. The first step that fails is the
 cause of all later failures.
@@ -47,7 +47,7 @@ BAUD_RATES_HZ = (
 )
 _NETWORK = ("tcp", "udp")
 _ROUND_TRIPS = 50
-_SLACK_S = 0.005  # time that an operating system may take
+_SLACK_S = 0.005  # time that an operating system may need
 _SAMPLE_BYTES = 24
 
 
@@ -97,7 +97,10 @@ class _Place:
 
     @property
     def checksums(self) -> bool:
-        """False: the URL says that the gateware has no checksums. It must not get a `$`."""
+        """It is False if the URL says that the gateware has no checksums.
+
+        Such gateware must not get a `$`.
+        """
         return self.options.get("polynomial") != "none"
 
     def with_option(self, name: str, value: object) -> str:
@@ -116,9 +119,9 @@ def examine(
     clock: Callable[[], float] = time.monotonic,
     say: Callable[[str], None] = lambda message: None,
 ) -> list[Finding]:
-    """Return what keeps a user from the board at `url`. Empty if nothing does.
+    """Return what keeps a user from the board at `url`. The list is empty if nothing does.
 
-    `say` is called with what is being tried. Raises UrlError if it is not a link URL.
+    `say` gets a text about each step. Raises UrlError if it is not a link URL.
     """
     return _Doctor(
         _Place.of(url), spec, machine or Machine(), open_driver, open_link, wait_s, clock, say
@@ -166,7 +169,7 @@ class _Doctor:
         return found
 
     def access(self, device: str) -> list[Finding]:
-        """Find who may open an existing device file, and who has opened it."""
+        """Find who may open an existing device file, and who has it open."""
         found = []
         if not self.machine.may_open(device):
             found.append(finding("permission", device=device, group=self.machine.group_of(device)))
@@ -222,7 +225,7 @@ class _Doctor:
         except LinkError as error:
             if place.scheme in _NETWORK:
                 return [self.unreachable(error)]
-            raise  # the driver says what happened to its port: there is no host to ping
+            raise  # the driver says what happened to its port, and there is no host to ping
         finally:
             driver.close()
         if self.spec is not None and not _stopped(found):
@@ -230,7 +233,7 @@ class _Doctor:
         return found
 
     def node(self) -> list[Finding]:
-        """Ask a node on an RS-485 pair. It knows frames only, so this tells only whether it answers."""
+        """Ask a node on an RS-485 pair. It knows only frames, so this tells only whether it answers."""
         self.say("asking for its configuration")
         try:
             self.open_link(self.place.url).close()
@@ -290,7 +293,7 @@ class _Doctor:
         return [finding("no-checksum", link_without_checksums=self.place.with_option("polynomial", "none"))]
 
     def other_baud_rate(self) -> int | None:
-        """Return the baud rate at which there is an answer. Only serial ports have one."""
+        """Return the baud rate at which the device answers. Only serial ports have one."""
         if self.place.scheme != "serial":
             return None
         for baud_hz in BAUD_RATES_HZ:
@@ -299,7 +302,7 @@ class _Doctor:
             self.say(f"trying {baud_hz} baud")
             try:
                 driver = self.open_driver(self.place.with_option("baud", baud_hz))
-            except LinkError:  # a rate that this port does not have
+            except LinkError:  # the port does not have this rate
                 continue
             try:
                 if self.probe(driver).kind == "configuration":
@@ -332,7 +335,7 @@ class _Doctor:
         return found
 
     def expected_s(self, size: int) -> float:
-        """Return the time that wire and USB chip take for `size` bytes."""
+        """Return the time that wire and USB chip need for `size` bytes."""
         if self.place.scheme != "serial":
             return 0.0
         latency_ms = self.machine.serial_port(self.place.path).latency_timer_ms or 0
@@ -382,7 +385,7 @@ class _Doctor:
 
 
 def _number(text: str) -> int:
-    """Return a number of a link URL. The link has checked its form."""
+    """Return a number from a link URL. The link has already checked its form."""
     return int(text, 16 if text[:2].lower() == "0x" else 10)
 
 

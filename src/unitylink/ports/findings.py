@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All reasons why a board may not answer, in one table for the doctor and the documents.
+"""All reasons why a board may not answer. The doctor and the documents use this one table.
 
 `page()` is docs/troubleshooting.md.
 """
@@ -16,8 +16,9 @@ from types import MappingProxyType
 class FindingKind:
     """One kind of trouble.
 
-    `cause`, `remedy` and `more` are format strings for what the doctor has found. `remedy` is a command, with
-    a remark after a #, or an option. `severity` is "error" if nothing works before it is mended.
+    `cause`, `remedy` and `more` are format strings, filled in with what the doctor has found. `remedy` is a
+    command, with a remark after a #, or it is an option. `severity` is "error" if nothing works until it is
+    mended.
     """
 
     severity: str
@@ -263,7 +264,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
 )
 
 
-# Examples for the braces of the table, to explain a finding without a port.
+# Examples for the braces of the table. With them, a finding is explained without a port.
 _EXAMPLE: Mapping[str, object] = MappingProxyType(
     {
         "answer": "'?f2'",
@@ -312,12 +313,12 @@ _EXAMPLE: Mapping[str, object] = MappingProxyType(
 
 
 def finding(code: str, **known: object) -> Finding:
-    """Return the finding `code`, filled in."""
+    """Return the finding `code` with its texts filled in."""
     kind = FINDINGS[code]
     return Finding(code, kind.severity, kind.title, kind.cause.format(**known), kind.remedy.format(**known))
 
 
-# The same for a device that is not a serial port.
+# The same for devices that are not serial ports.
 _EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
     {
         "no-spi": {"device": "/dev/spidev0.0", "ports": "none"},
@@ -330,7 +331,7 @@ _EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
 
 
 def example(code: str) -> tuple[Finding, str]:
-    """Return an example of the finding `code`, and more about it.
+    """Return an example of the finding `code`, and its further text.
 
     >>> example("no-port")[0].cause
     '/dev/ttyUSB0 is not there; ports on this machine: /dev/ttyS0'
@@ -340,7 +341,7 @@ def example(code: str) -> tuple[Finding, str]:
 
 
 def wrapped(text: str) -> str:
-    """Return a paragraph of the page, over several lines."""
+    """Return a paragraph of the page, wrapped into lines."""
     return fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 

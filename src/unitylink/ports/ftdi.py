@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""FTDI chips as USB devices, for `ftdi:` links. The kernel's serial driver may have them or not."""
+"""FTDI chips as USB devices, for `ftdi:` links. The kernel's serial driver may use them or not."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ from dataclasses import dataclass
 from .machine import Machine, SerialPort, entries, hexadecimal, text
 
 VENDOR = 0x0403
-# Product number of a chip, as it leaves the factory -> its channels.
+# Product number of a chip from the factory -> number of its channels.
 PRODUCTS = {0x6001: 1, 0x6010: 2, 0x6011: 4, 0x6014: 1, 0x6015: 1}
 _CHANNELS = "ABCD"
 
 
 @dataclass(frozen=True)
 class FtdiChannel:
-    """A channel of a chip. `port.device` is the kernel's serial port, or "". `node` is the file in
-    /dev/bus/usb, which a program must be allowed to write to open the chip."""
+    """A channel of a chip.
+
+    `port.device` is the kernel's serial port, or "". `node` is the file in /dev/bus/usb. To open the chip, a
+    program needs permission to write to it.
+    """
 
     port: SerialPort
     channel: str
@@ -54,7 +57,7 @@ def ftdi_channels(machine: Machine) -> list[FtdiChannel]:
 
 
 def chosen(channels: list[FtdiChannel], serial_number: str, channel: str) -> FtdiChannel | None:
-    """Return the channel that an `ftdi:` URL names. None if it is absent or not the only one."""
+    """Return the channel that an `ftdi:` URL names. Return None if it is absent, or if there are several."""
     serials = {one.port.serial_number for one in channels}
     wanted = serial_number or (next(iter(serials)) if len(serials) == 1 else "")
     return next((c for c in channels if (c.port.serial_number, c.channel) == (wanted, channel)), None)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What this machine knows of its serial ports, read from /sys, /dev, /proc and /run/udev.
+"""What this machine knows about its serial ports, read from /sys, /dev, /proc and /run/udev.
 
-Sources: Documentation/ABI/testing/sysfs-bus-usb and sysfs-tty of the Linux kernel; latency_timer is an
+The sources are Documentation/ABI/testing/sysfs-bus-usb and sysfs-tty of the Linux kernel. latency_timer is an
 attribute of the kernel's ftdi_sio driver.
 """
 
@@ -26,8 +26,10 @@ class Holder:
 
 @dataclass(frozen=True)
 class SerialPort:
-    """A serial port. A field is empty or None if the operating system does not tell it, as for ports that are
-    not USB.
+    """A serial port.
+
+    A field is empty or None if the operating system does not report it. This is so for ports that are not
+    USB.
 
     `latency_timer_ms` is how long an FTDI chip waits before it sends a USB packet that is not full.
     """
@@ -60,7 +62,7 @@ class SerialPort:
 
 
 class Machine:
-    """The machine whose files are below `root`, seen by the user `uid` of the groups `gids`."""
+    """The machine whose files are below `root`, as the user `uid` with the groups `gids` sees it."""
 
     def __init__(
         self, root: str | Path = "/", *, uid: int | None = None, gids: Collection[int] | None = None
@@ -71,14 +73,19 @@ class Machine:
         self.gids = frozenset((*os.getgroups(), os.getgid()) if gids is None else gids)
 
     def path(self, name: str) -> Path:
-        """Return where the file `name` is below the root. Without a slash in front it is relative to the
-        working folder."""
+        """Return the path of the file `name` below the root.
+
+        Without a leading slash, it is relative to the working folder.
+        """
         return self.root / os.path.abspath(name).lstrip("/")
 
     # ---- the ports of this machine
 
     def serial_ports(self) -> list[SerialPort]:
-        """Return the ports with hardware behind them, by name. A port that goes meanwhile is omitted."""
+        """Return the ports with hardware behind them, by name.
+
+        A port that disappears meanwhile is left out.
+        """
         found = []
         for entry in entries(self.path("/sys/class/tty")):
             hardware = entry / "device"
@@ -121,7 +128,7 @@ class Machine:
             latency_timer_ms=int(latency) if latency.isdigit() else None,
         )
 
-    # ---- who may open a port, and who has
+    # ---- who may open a port, and who has it open
 
     def exists(self, device: str) -> bool:
         return self.path(device).exists()
@@ -135,8 +142,8 @@ class Machine:
     def may_open(self, device: str) -> bool:
         """Tell whether the user may read and write the device file.
 
-        For this user the system is asked. It knows what an access list grants, such as that of `uaccess`. For
-        another user the mode of the file decides.
+        For this user, the operating system decides. It knows the rights of an access list, such as that of
+        `uaccess`. For another user, the mode of the file decides.
         """
         if self._is_this_user:
             return os.access(self.path(device), os.R_OK | os.W_OK)
@@ -160,7 +167,7 @@ class Machine:
             return str(gid)
 
     def holders(self, device: str) -> list[Holder]:
-        """Return the other processes that have the device open. Those of other users only root can see."""
+        """Return the other processes that have the device open. Only root can see those of other users."""
         target = os.path.realpath(self.path(device))
         found = []
         for process in entries(self.path("/proc")):
@@ -195,7 +202,7 @@ class Machine:
 
 
 def _is_real(entry: Path) -> bool:
-    """Omit the ports that a PC's serial driver offers without hardware (type 0)."""
+    """Leave out the ports that a PC's serial driver offers without hardware (type 0)."""
     kind = text(entry / "type")
     return kind != "0"
 
@@ -203,7 +210,7 @@ def _is_real(entry: Path) -> bool:
 def entries(folder: Path) -> Iterator[Path]:
     try:
         yield from sorted(folder.iterdir())
-    except OSError:  # of another user, or already gone
+    except OSError:  # it belongs to another user, or is already gone
         return
 
 

@@ -18,7 +18,7 @@ def broadcast(
 ) -> Iterator[tuple[str, bytes]]:
     """Ask the local networks for configurations. Yield (udp:// URL, answer) of each board.
 
-    Yields nothing if the machine has no network.
+    It yields nothing if the machine has no network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         asking.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ask what is at the other end of a port, and expect anything.
+"""Ask what is at the other end of a port. Any answer is possible.
 
-The only request is RLC, which changes nothing. Before it stands the fence, which makes the device drop a
+The only request is RLC, which changes nothing. The fence stands before it. It makes the device drop a
 half-received message.
 """
 
@@ -23,12 +23,12 @@ from unitylink.layer1_stream import (
     Reply,
 )
 
-WAIT_S = 0.5  # for an answer; a board needs a few ms
-SILENT_MOST = 3  # questions in a row; after that many without an answer the device is gone
+WAIT_S = 0.5  # wait for an answer; a board needs a few ms
+SILENT_MOST = 3  # questions in a row; if none of so many is answered, the device is gone
 
 
 class PortDriver(Protocol):
-    """What a probe needs of layer 0."""
+    """What a probe needs from layer 0."""
 
     def send(self, data: bytes, *, timeout_s: float = ...) -> None: ...
 
@@ -39,9 +39,9 @@ class PortDriver(Protocol):
 class Answer:
     """The answer of the device.
 
-    `kind` is "configuration" (`fields` is the text of the CNF), "refused" (`detail` is the E_xxx),
-    "checksum", "line-errors" (`detail` names them), "busy", "echo", "garbage" or "silence". `elapsed_s` is
-    the time until then.
+    `kind` is one of these: "configuration" (`fields` is the text of the CNF), "refused" (`detail` is the
+    E_xxx), "checksum", "line-errors" (`detail` names them), "busy", "echo", "garbage" or "silence".
+    `elapsed_s` is the time until the answer.
     """
 
     kind: str
@@ -69,7 +69,7 @@ def probe(
     wait_s: float = WAIT_S,
     clock: Callable[[], float] = time.monotonic,
 ) -> Answer:
-    """Ask for the configuration and return the answer. Publishes of the board do not count."""
+    """Ask for the configuration and return the answer. Publishes of the board are ignored."""
     sent = request(checked=checked, polynomial=polynomial)
     return ask(driver, sent, checked=checked, polynomial=polynomial, wait_s=wait_s, clock=clock)
 
@@ -86,7 +86,7 @@ def ask(
     """Send `sent`, which asks for the configuration, and return the answer."""
     before = ClassicDecoder(data_bytes=0, polynomial=polynomial)
     until_s = clock() + wait_s  # a port that is flooded is never empty
-    # The bytes under way; a busy board says so and hangs up.
+    # These bytes are still under way. A busy board may say so and then hang up.
     while clock() < until_s and (chunk := driver.receive(timeout_s=0.0)):
         if any(isinstance(event, Busy) for event in before.feed(chunk)):
             return Answer("busy", chunk)
@@ -108,7 +108,7 @@ def ask(
                 complaint = Answer("refused", received, event.error, elapsed_s=elapsed_s)
             elif isinstance(event, DatalinkError):
                 complaint = _complaint(event, received, elapsed_s)
-        if complaint is not None and not received.endswith(b"f3\n"):  # the fence may cause an f3 of its own
+        if complaint is not None and not received.endswith(b"f3\n"):  # the fence may itself cause an f3
             return complaint
     if complaint is not None:
         return complaint
@@ -135,8 +135,8 @@ def find_polynomial(
 ) -> int | None:
     """Return the CRC polynomial of the device, 0 for the byte XOR, or None if none of the 256 works.
 
-    The 256 possible checksums of RLC are tried. The checksum of the answer tells which polynomial it was. It
-    ends early if the device stops answering, or only answers what cannot be understood.
+    The 256 possible checksums of RLC are tried. The checksum of the answer shows which polynomial was right.
+    It ends early if the device stops answering, or if all its answers are unreadable.
     """
     lost = 0
     for sum_ in range(256):

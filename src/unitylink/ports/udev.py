@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The udev rule that lets a local user talk to a board, quickly and undisturbed.
+"""The udev rule with which a local user can talk to a board, fast and undisturbed.
 
 The keys are from udev(7), and from ModemManager's documentation of ID_MM_DEVICE_IGNORE.
 """
@@ -23,7 +23,8 @@ def rules(port: SerialPort) -> str:
     match = f'ATTRS{{idVendor}}=="{port.vendor_id:04x}", ATTRS{{idProduct}}=="{port.product_id:04x}"'
     return (
         f"# {port.identity}: for the user at the machine, not for ModemManager, no waiting in the chip\n"
-        f'{match}, ENV{{ID_MM_DEVICE_IGNORE}}="1"\n'  # on the USB device too: ModemManager looks there
+        # set on the USB device too, because ModemManager looks there
+        f'{match}, ENV{{ID_MM_DEVICE_IGNORE}}="1"\n'
         f'SUBSYSTEM=="tty", {match}, TAG+="uaccess"\n'
         f'SUBSYSTEM=="usb", ATTR{{idVendor}}=="{port.vendor_id:04x}", '
         f'ATTR{{idProduct}}=="{port.product_id:04x}", TAG+="uaccess"\n'  # for ftdi: links
@@ -32,13 +33,16 @@ def rules(port: SerialPort) -> str:
 
 
 def program() -> str:
-    """Return the whole path of this `unitylink`, to type behind sudo, which knows no virtual environment."""
+    """Return the full path of this `unitylink`.
+
+    It is typed after sudo, which knows no virtual environment.
+    """
     script = Path(sys.executable).with_name("unitylink")
     return shlex.join([str(script)] if script.exists() else [sys.executable, "-m", "unitylink"])
 
 
 def install(machine: Machine, port: SerialPort) -> str:
-    """Add the rules for `port` to RULES_FILE, once. Return the file's name.
+    """Add the rules for `port` to RULES_FILE, but only once. Return the file's name.
 
     Raises UnityLinkError for a port that is not USB, or if the file cannot be written.
     """

@@ -28,7 +28,7 @@ _TIME_MOST_S = 1e11  # the year 5138
 
 
 class CsvWriter:
-    """Writes whole lines only. So the file is a CSV file, whatever ends the program."""
+    """A writer that writes only whole lines. So the file is valid CSV, whatever ends the program."""
 
     def __init__(self, path: str | Path, names: tuple[str, ...] = (), *, force: bool = False) -> None:
         self.path = path
@@ -57,7 +57,7 @@ class CsvWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Write the waiting lines to the file, so that they are safe from the end of the program."""
+        """Write the waiting lines to the file, so that they survive the end of the program."""
         data = self._waiting.getvalue().encode("utf-8")
         self._waiting.seek(0)
         self._waiting.truncate()
@@ -93,7 +93,7 @@ class CsvWriter:
         if error is None:
             self.close()
             return
-        with suppress(UnityLinkError):  # the first error tells more
+        with suppress(UnityLinkError):  # the first error says more
             self.close()
 
 
@@ -135,7 +135,7 @@ def read_csv(path: str | Path) -> Iterator[Sample]:
 
 
 def _lines(stream: TextIO, path: str | Path) -> Iterator[str]:
-    """Yield whole lines only, because a number that lost its end is still a number."""
+    """Yield only whole lines, because a number without its last digits is still a number."""
     for number, line in enumerate(stream, 1):
         if not line.endswith("\n"):
             raise RecordingTruncated(f"{path}: cut off in line {number}; the lines before it were read")

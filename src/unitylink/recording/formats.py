@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The formats of a recording: the ending of a file's name chooses what writes and reads it."""
+"""The formats of a recording. The ending of a file's name chooses the format."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def create(
 ) -> Writer:
     """Make a recording. The ending of its name chooses the format.
 
-    `names` are the first columns of a CSV file. Without them those of the first sample are taken. `topics`
-    names, for MCAP, the topic of values that are sampled together. Otherwise it is made of their paths.
-    Raises UnityLinkError for another ending, for a file that cannot be written or already exists (without
-    `force`), and for a library that is not installed.
+    `names` are the first columns of a CSV file. Without them, the names of the first sample are taken.
+    `topics`, for MCAP, gives the topic of values that are sampled together. Without it, the topic is made
+    from their paths. Raises UnityLinkError for another ending, for a file that cannot be written or already
+    exists (without `force`), and for a library that is not installed.
     """
     if _ending(path) == ".csv":
         from .csv_file import CsvWriter
@@ -40,7 +40,7 @@ def create(
 
 
 def check_name(path: str | Path) -> None:
-    """Raise the UnityLinkError of `create` for a wrong ending or an absent library."""
+    """Raise the UnityLinkError of `create` for a wrong ending or a missing library."""
     if _ending(path) == ".mcap":
         from .mcap_file import need_library
 
@@ -51,7 +51,7 @@ def samples(path: str | Path) -> Iterator[Sample]:
     """Yield the samples of a recording in the order in which they were added.
 
     Raises UnityLinkError, with the place, if the file is not a recording. Raises RecordingTruncated at the
-    end of one that was cut off.
+    end of a recording that was cut off.
     """
     if _ending(path) == ".csv":
         from .csv_file import read_csv
@@ -63,7 +63,7 @@ def samples(path: str | Path) -> Iterator[Sample]:
 
 
 def origin(path: str | Path) -> Origin:
-    """Return the spec of a recording, as far as the file tells. CSV files do not tell it."""
+    """Return the spec of a recording, as far as the file has it. CSV files do not have it."""
     if _ending(path) == ".csv":
         return Origin()
     from .mcap_reader import read_origin

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings as MCAP: a channel for values that come together, with messages in JSON and a schema.
+"""Recordings as MCAP. Values that come together share a channel, with messages in JSON and a schema.
 
-Foxglove and PlotJuggler open it as it is: `j1.cpos` is the field `cpos` of the object `j1`. The format is
-described at https://mcap.dev/spec. Its own library writes and reads it.
+Foxglove and PlotJuggler open it directly: `j1.cpos` is the field `cpos` of the object `j1`. The format is
+described at https://mcap.dev/spec. The library of the format writes and reads it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16
 ORIGIN = "unitylink"  # the metadata record with the spec
 NAMES = "names"  # a channel's metadata: the paths, in order
-_NAMED = 3  # in a topic; more would not be a name
+_NAMED = 3  # of the names that a topic's name shows; more would be too long
 _NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
@@ -46,7 +46,7 @@ def need_library() -> None:
 
 
 class _Counting:
-    """A file that knows how much of it is whole. When the disk is full, it ends there."""
+    """A file that knows how many of its bytes are valid. When the disk is full, it ends there."""
 
     def __init__(self, path: str | Path, *, force: bool) -> None:
         self.file = open(create_output(path, force=force), "wb", buffering=0)  # noqa: SIM115  # by close()
@@ -71,7 +71,7 @@ class _Counting:
 
 
 class McapWriter:
-    """Writes chunks of 64 KiB, each whole before the next begins."""
+    """Writes chunks of 64 KiB. Each is whole before the next one begins."""
 
     def __init__(
         self,
@@ -90,10 +90,10 @@ class McapWriter:
         self._file = _Counting(path, force=force)
         # by paths: the channel's id, and the message with a %s for each value
         self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
-        self._topics = {} if topics is None else topics  # they count what is added later
+        self._topics = {} if topics is None else topics  # the caller adds to them later, so this is no copy
         self._units = origin.units
         self._taken: set[str] = set()  # topics
-        self._whole = (0, 0)  # samples and bytes that are in the file for sure
+        self._whole = (0, 0)  # (samples, bytes) that are certainly in the file
         self._failed = False
         self._writer = Library(
             self._file,  # type: ignore[arg-type]
@@ -170,7 +170,7 @@ class McapWriter:
         try:
             self.close()
         except UnityLinkError:
-            if error is None:  # else the first error tells more
+            if error is None:  # otherwise the first error says more
                 raise
 
 
@@ -183,8 +183,7 @@ class _Described:
 
 
 class _errors:
-    """Turn an error of the disk into one that names the file, and cut the file behind its last whole
-    chunk."""
+    """Turn an error of the disk into one that names the file. Cut the file after its last whole chunk."""
 
     def __init__(self, writer: McapWriter) -> None:
         self.writer = writer
@@ -229,8 +228,7 @@ def _nested(values: dict[str, Any]) -> dict[str, Any]:
 def _template(names: tuple[str, ...]) -> tuple[str, itemgetter[Any]]:
     """Return the JSON of a message with `%s` for each value, and a function that orders the values.
 
-    Then only the values have to be put in. Paths are made of names and numbers, so they have no % of their
-    own.
+    So later only the values must be filled in. Paths consist of names and numbers, so they contain no %.
     """
     order: list[int] = []
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads recordings in MCAP. Any file, even a damaged or hostile one, gives samples or an error.
+"""Reads recordings in MCAP. Any file, even a damaged or hostile one, gives samples or an error of ours.
 
-The format's own library takes records apart. If it or JSON raises at damaged bytes, the file is damaged.
-Chunks are decompressed here, because the library limits neither one of them nor all together.
+The library of the format takes records apart. If it or JSON raises an exception, the file is damaged. Chunks
+are decompressed here, because the library sets no limit, neither for one chunk nor for all together.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from .recording import Origin, RecordingTruncated, Sample, is_number
 if TYPE_CHECKING:
     from mcap.records import Chunk
 
-_RECORD_BYTES_MAX = 1 << 26  # of one record, and of one decompressed chunk
-_EXPANDED_BYTES = 1 << 22  # what any file may expand to,
-_EXPANSION = 100  # or this times its size; the index of a chunk keeps real recordings far below
+_RECORD_BYTES_MAX = 1 << 26  # limit of one record, and of one decompressed chunk
+_EXPANDED_BYTES = 1 << 22  # any file may expand to so many bytes,
+_EXPANSION = 100  # or to this multiple of its size; a chunk's index keeps real recordings far below
 _STEP = re.compile(r"[^.\[\]]+")
 
 
 class _DamagedError(ValueError):
-    """Something that no whole recording has."""
+    """The file holds something that no valid recording has."""
 
 
 def read_mcap(path: str | Path) -> Iterator[Sample]:
@@ -89,14 +89,16 @@ def _flat(message: Any, paths: list[str]) -> dict[str, Any]:
 
 
 def _is_value(value: Any) -> bool:
-    if isinstance(value, dict):  # a packed one
+    if isinstance(value, dict):  # a packed value
         return not any(isinstance(part, dict) or not _is_value(part) for part in value.values())
     return value is None or isinstance(value, str) or is_number(value)
 
 
 def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
-    """Yield ("message", (channel, message)) and ("metadata", record) from front to back, without the
-    index."""
+    """Yield ("message", (channel, message)) and ("metadata", record) from front to back.
+
+    The index is not used.
+    """
     need_library()
     from mcap.exceptions import InvalidMagic
     from mcap.records import Channel, Chunk, Footer, Message, Metadata
@@ -122,7 +124,7 @@ def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
                     raise
                 except (
                     Exception
-                ) as error:  # the library's own error, and those of its parsing of damaged bytes
+                ) as error:  # the library's own error, and those from its parsing of damaged bytes
                     if isinstance(error, InvalidMagic) and not count:
                         raise UnityLinkError(f"{path}: not an MCAP file ({error})") from error
                     raise _cut_off(path, count) from error
@@ -138,7 +140,7 @@ def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
                         count += 1
                 if isinstance(record, Footer):
                     return
-    except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+    except (OSError, ValueError) as error:  # a name with a NUL raises ValueError
         raise UnityLinkError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
 
 
@@ -154,7 +156,7 @@ def _of_chunk(chunk: Chunk, left: int) -> list[Any]:
     if chunk.compression == "zstd":
         import zstandard
 
-        if zstandard.frame_content_size(data) not in (-1, size):  # -1: it does not tell
+        if zstandard.frame_content_size(data) not in (-1, size):  # -1 means that the frame does not state it
             raise _DamagedError("a chunk whose size differs from its header")
         data = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
     elif chunk.compression == "lz4":

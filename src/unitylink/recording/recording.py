@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A recording: samples in the order in which they came, and their spec."""
+"""A recording: samples in the order in which they came, with their spec."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sample:
-    """Values that belong to one moment. `time_s` counts from 1970. `values`, by path, are numbers, truth
-    values, names of enumeration members, or a mapping of fields."""
+    """Values of one moment.
+
+    `time_s` counts from 1970. `values`, by path, are numbers, truth values, names of enumeration members, or
+    a mapping of fields.
+    """
 
     time_s: float
     values: Mapping[str, Any]
@@ -26,7 +29,10 @@ class Sample:
 @dataclass(frozen=True)
 class Origin:
     """What a recording was made with: file name, text and hash of the spec, and the units of its values by
-    path. Each is empty if the file does not tell."""
+    path.
+
+    Each is empty if the file does not have it.
+    """
 
     name: str = ""
     text: str = ""
@@ -35,12 +41,15 @@ class Origin:
 
 
 class RecordingTruncated(UnityLinkError):
-    """A recording that was cut off. All samples before that place have been returned."""
+    """A recording was cut off. All samples before that place have been returned."""
 
 
 class Writer(Protocol):
-    """A recording being written. The file holds whole samples, however the program ends. A full disk is an
-    error that names the file and how many samples it holds."""
+    """A recording that is being written.
+
+    The file holds whole samples, however the program ends. A full disk is an error. It names the file and how
+    many samples it holds.
+    """
 
     @property
     def count(self) -> int:
@@ -54,7 +63,7 @@ class Writer(Protocol):
 
     def add(self, sample: Sample) -> None: ...
     def flush(self) -> None:
-        """Put the added samples into the file. A program that is killed loses only later ones."""
+        """Write the added samples to the file. A program that is killed loses only later ones."""
         ...
 
     def close(self) -> None: ...
@@ -65,5 +74,5 @@ class Writer(Protocol):
 
 
 def is_number(value: Any) -> bool:
-    """Return whether it is a number or truth value of at most 64 bits, as an item of a spec can have."""
+    """Return whether it is a number or truth value of at most 64 bits, as for an item of a spec."""
     return isinstance(value, float) or (isinstance(value, int) and -(1 << 63) <= value < 1 << 64)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A robot as a ROS node: its interface in ROS, and the node behind all front ends."""
+"""A robot as a ROS node: its interface in ROS, and the node that all front ends use."""
 
 from __future__ import annotations
 

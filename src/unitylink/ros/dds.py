@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The front end of ROS 2 without ROS: its topics and services on cyclonedds, which genuine ROS 2 sees."""
+"""The front end of ROS 2 without ROS.
+
+Its topics and services are on cyclonedds, and genuine ROS 2 sees them.
+"""
 
 from __future__ import annotations
 
@@ -20,15 +23,17 @@ from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 from .standard import definitions
 
 _log = logging.getLogger("unitylink.ros")
-# Commands that may come before the node's thread runs. It takes all that are there and puts them together,
-# value by value: of two messages that name different joints neither may go, and none waits.
+# So many commands may come before the node's thread runs. The thread takes all of them and joins them, value
+# by value. Two messages may name different joints, so none of them may be dropped, and none waits.
 COMMANDS = 16
 
 
 class DdsPlane:
-    """Carries messages as ROS 2 does: topic `rt/<namespace>/<name>`, type `std_msgs::msg::dds_::Int32_`.
+    """A plane that carries messages as ROS 2 does: topic `rt/<namespace>/<name>`, type
+    `std_msgs::msg::dds_::Int32_`.
 
-    `domain` None is ROS_DOMAIN_ID, else 0. CYCLONEDDS_URI configures the network, as it does for ROS 2.
+    If `domain` is None, it is ROS_DOMAIN_ID, or 0. CYCLONEDDS_URI configures the network, as it does for ROS
+    2.
     """
 
     def __init__(self, interface: Interface, namespace: str, domain: int) -> None:
@@ -44,24 +49,24 @@ class DdsPlane:
         self._time = self.types["builtin_interfaces/Time"]
         self._here = Here()
         self.life = Life()
-        # A service, such as set_safe, is answered though the thread of the topics hangs.
+        # A service, such as set_safe, is answered even if the thread of the topics hangs.
         self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)
         self._services = DdsReader(self._participant, "the thread that answers services", self.life)
 
     def start(self) -> None:
-        """Begin to take messages: after the last subscribe and serve."""
+        """Start taking messages. Call it after the last subscribe and serve."""
         self._topics.start()
         self._services.start()
 
     def close(self) -> None:
-        """Stop taking messages, and leave the domain at once. Close the node that publishes here before."""
+        """Stop taking messages, and leave the domain at once. Close the node that publishes here first."""
         self._topics.close()
         self._services.close()
-        # Garbage collection would leave it later or never. Others would see a node that has ended.
+        # Garbage collection would do this later or never. Others would still see a node that has ended.
         self._participant.__del__()
 
     def name(self, topic: str) -> str:
-        """Return a name with its namespace. One that begins with / has it already."""
+        """Return a name with its namespace. A name that begins with / is left as it is."""
         return topic[1:] if topic.startswith("/") else f"{self._namespace}/{topic}".lstrip("/")
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
@@ -84,7 +89,7 @@ class DdsPlane:
 
     @contextmanager
     def gathered(self) -> Iterator[None]:
-        """Send the publishes of this thread meanwhile in as few packets as possible."""
+        """Within it, send the publishes of this thread in as few packets as possible."""
         held: set[Callable[[], None]] = set()
         self._here.held = held
         try:
@@ -107,7 +112,7 @@ class DdsPlane:
         self._topics.add(reader, topic.name, take, refuse)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
-        """Offer a service as rmw_cyclonedds does: topics of requests and of replies."""
+        """Offer a service as rmw_cyclonedds does: with a topic of requests and one of replies."""
         request, reply = SERVICE_FIELDS[kind]
         full = kind if "/" in kind else f"{self._interface.package}/{kind}"
         asked = self.types.service(full, "Request", request)
@@ -155,7 +160,7 @@ class DdsPlane:
 
 
 class Matched:
-    """Whether a writer has readers. DDS is asked a few times a second, not at each message."""
+    """Whether a writer has readers. DDS is asked a few times a second, and not at each message."""
 
     PERIOD_S = 0.1
 

@@ -19,7 +19,10 @@ WAIT_NS = 100_000_000
 
 
 class DdsReader:
-    """Calls `take(message)` for each message of the topics added before `start`. `life` sees it as `what`."""
+    """Calls `take(message)` for each message of the topics added before `start`.
+
+    `life` sees the thread under the name `what`.
+    """
 
     def __init__(self, participant: Any, what: str, life: Life) -> None:
         self._participant, self._what, self._life = participant, what, life
@@ -31,7 +34,7 @@ class DdsReader:
         self._takers.append((reader, topic, take, refuse))
 
     def start(self) -> None:
-        if self._takers:  # DDS cannot wait if there are no readers
+        if self._takers:  # DDS cannot wait without any reader
             self._thread.start()
 
     def close(self) -> None:
@@ -54,7 +57,8 @@ class DdsReader:
         conditions = [ReadCondition(reader, fresh) for reader, *_ in self._takers]
         for condition in conditions:
             waiting.attach(condition)
-        # Which of them have something: to ask every reader costs a node with many topics more than a message.
+        # These tell which readers have something. Asking every reader would cost a node with many topics more
+        # than a message.
         marks = [ctypes.addressof(mark) for _, mark in waiting.attached]
         takers = dict(zip(marks, self._takers, strict=True))
         found = (ctypes.c_void_p * len(marks))()
@@ -73,17 +77,18 @@ class DdsReader:
         any_state = SampleState.Any | ViewState.Any | InstanceState.Any
         taken = import_module("cyclonedds._clayer").ddspy_take(
             reader._ref, any_state, TAKE_AT_ONCE
-        )  # bytes: DataReader.take reads all or none
+        )  # as bytes, because DataReader.take reads all messages or none
         if isinstance(taken, int):
             raise DDSException(taken, f"while taking from {topic}")
         kind = reader._topic.data_type
         for data, info in taken:
-            if not info.valid_data:  # a writer came or went
+            if not info.valid_data:  # a writer has come or gone
                 continue
             try:
                 message = kind.deserialize(data)
                 message.sample_info = info
-            except Exception as error:  # for example a name that is not UTF-8, or a length beyond its end
+            # for example a name that is not UTF-8, or a length beyond the message's end
+            except Exception as error:
                 refuse(topic, error)
                 continue
             try:

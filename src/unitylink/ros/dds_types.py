@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of ROS 2 as types of cyclonedds: the names and the layout that ROS 2 has on the wire."""
+"""Messages of ROS 2 as types of cyclonedds, with the names and the layout of ROS 2 on the wire."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CODES = {
 
 
 class DdsTypes:
-    """Make classes of messages: `types["std_msgs/Int32"](5)` is an instance for a cyclonedds writer."""
+    """Makes classes of messages: `types["std_msgs/Int32"](5)` is an instance for a cyclonedds writer."""
 
     def __init__(self, definitions: Mapping[str, Fields]) -> None:
         self._definitions = dict(definitions)
@@ -40,7 +40,10 @@ class DdsTypes:
         return self._made[name]
 
     def service(self, name: str, part: str, fields: Fields) -> Any:
-        """Return the class of a service's request or reply ("Request", "Response"), its number before it."""
+        """Return the class of a service's request or reply ("Request", "Response").
+
+        The message's number comes first in it.
+        """
         package, _, service = name.partition("/")
         whole = (("guid", "uint64"), ("number", "int64"), *(fields or (("nothing", "uint8"),)))
         return self._make(f"{package}::srv::dds_::{service}_{part}_", whole)
@@ -73,11 +76,14 @@ class DdsTypes:
         return getattr(types, kind) if kind in _CODES else self[kind]
 
 
-Flat = tuple[str, list[str]]  # a format of struct, and the paths of the attributes that fill it
+Flat = tuple[str, list[str]]  # (format of struct, paths of the attributes that fill it)
 
 
 def _flat(definitions: Mapping[str, Fields], fields: Fields) -> Flat | None:
-    """Return how a message without strings and sequences is packed at once, None for another."""
+    """Return how a message without strings and sequences is packed in one step.
+
+    Return None for other messages.
+    """
     codes = ""
     paths: list[str] = []
     at = 0
@@ -93,7 +99,7 @@ def _flat(definitions: Mapping[str, Fields], fields: Fields) -> Flat | None:
 
 
 def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
-    """Return a `serialize` for messages of plain numbers: a tenth of the time of the general one."""
+    """Return a `serialize` for messages of plain numbers. It takes a tenth of the time of the general one."""
     pack = struct.Struct(f"<4s{codes}").pack
     if len(names) == 1:
         (name,) = names
@@ -105,7 +111,10 @@ def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
 
 
 def _deserializer(general: Callable[..., Any], codes: str) -> Any:
-    """Return a `deserialize` for the same. It leaves CDR in another form than a PC's to `general`."""
+    """Return a `deserialize` for the same messages.
+
+    If the byte order of the CDR is not a PC's, it calls `general`.
+    """
     layout = struct.Struct(f"<4x{codes}")
     unpack, size = layout.unpack_from, layout.size
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A writer of cyclonedds which puts several messages into one packet, which costs more than they do."""
+"""A writer of cyclonedds that puts several messages into one packet.
+
+A packet costs more than the messages in it.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +16,16 @@ _PADDING = (b"", b"\0\0\0", b"\0\0", b"\0")  # DDS takes whole words
 
 
 class Here(threading.local):
-    """Messages that a thread has written and not yet sent. None while it sends each one by itself."""
+    """Messages that a thread has written, but not yet sent. None while each one is sent by itself."""
 
     held: set[Callable[[], None]] | None = None
 
 
 @cache
 def gathering_writer() -> Any:
-    """Return a class like cyclonedds' DataWriter whose `write` sends at `flush()`, or with a full packet.
+    """Return a class like cyclonedds' DataWriter. Its `write` sends at `flush()`, or when a packet is full.
 
-    cyclonedds has both in C, not yet in Python."""
+    cyclonedds has both functions in C, but not yet in Python."""
     from cyclonedds import pub
     from cyclonedds.core import DDSException
 
@@ -38,18 +41,21 @@ def gathering_writer() -> Any:
             return super()._create_writer(publisher, topic, qos, listener)
 
         def flush(self) -> None:
-            """Send what was written. Raise DDSException where DDS does not take it."""
+            """Send what has been written. Raises DDSException if DDS does not take it."""
             result = send(self._ref)
             if result < 0:
                 self._refused(result)
 
         def sender(self, here: Here) -> Callable[[Any], None]:
-            """Return a function that writes a message of the right type, and flushes unless `here` holds it
-            back."""
+            """Return a function that writes a message of the right type.
+
+            It flushes unless `here` holds the message back.
+            """
             reference, version_2, flush = self._ref, self._use_version_2, self.flush
             write = pub.ddspy_write  # type: ignore[attr-defined]
 
-            def put(sample: Any) -> None:  # all in one function: for a lone message each call shows
+            # all in one function, because for a single message each call costs time
+            def put(sample: Any) -> None:
                 data = sample.serialize(use_version_2=version_2)
                 result = write(reference, data + _PADDING[len(data) & 3])
                 if result >= 0:

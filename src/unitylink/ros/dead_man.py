@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware's dead-man in the service of a node: asked for, watched, armed."""
+"""The gateware's dead-man as a node uses it: queried, watched, armed."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ NO_SAFE = f"the spec gives no SAFE values for a dead-man: {_KEPT}"
 class DeadManGuard:
     """Let the gateware make its outputs safe when this program or the link is gone, if it can.
 
-    `lacking` says why it cannot, and is empty if it can. `tripped`: the outputs are safe, and nothing is
-    written before `arm()`. A `deadman=` in the link's URL goes before `silence_s`.
+    `lacking` says why it cannot. It is empty if it can. `tripped` means that the outputs are safe, and that
+    nothing is written before `arm()`. A `deadman=` in the link's URL takes precedence over `silence_s`.
     """
 
     def __init__(self, link: Link, silence_s: float, *, safe: bool) -> None:
@@ -45,13 +45,13 @@ class DeadManGuard:
             self._link.set_dead_man(self.silence_s)
 
     def arm(self) -> None:
-        """Let outputs be written again after a trip."""
+        """Allow outputs to be written again after a trip."""
         if self.tripped:
             self._link.arm()
             self.renew()
 
     def has_tripped(self) -> bool:
-        """Ask whether the outputs have become safe by themselves, since it was found out the last time."""
+        """Ask whether the dead-man has tripped since this was last noticed."""
         if self.lacking or self.tripped:
             return False
         state = self._link.dead_man()

@@ -26,7 +26,7 @@ SERVICES = {"Read": READ_SERVICE, "Write": WRITE_SERVICE}
 
 
 def definition(message: Message) -> str:
-    """Return the text of a .msg file, without the line with its origin.
+    """Return the text of a .msg file, without the line about its origin.
 
     >>> from .interface import Field
     >>> print(definition(Message("Lamp", (Field("led", "bool", comment="bright"),), stamped=True)), end="")

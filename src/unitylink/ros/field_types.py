@@ -21,7 +21,9 @@ SCALARS = {
 
 
 def primitive(quantity: Quantity) -> str:
-    """Return the smallest ROS primitive that holds a value in its unit, or the raw number of packed bits.
+    """Return the smallest ROS primitive that holds a value in its unit.
+
+    For packed bits it holds the raw number.
 
     >>> from unitylink.spec.types import ValueType
     >>> primitive(Quantity(ValueType("int", 12))), primitive(Quantity(ValueType("int", 12), scale=0.1))

@@ -31,7 +31,7 @@ class Health:
 
 @dataclass(frozen=True)
 class NodeState:
-    """How a node stands: counters, whether it takes commands, and a sentence."""
+    """The state of a node: counters, whether it takes commands, and a sentence."""
 
     accepted: int
     refused: int
@@ -42,8 +42,10 @@ class NodeState:
 
 
 def health(node: NodeState, session: RobotSession | None) -> Health:
-    """Return the health of a node: an error without a link or while a thread hangs, a warning while commands
-    are refused or fail."""
+    """Return the health of a node.
+
+    It is an error without a link or while a thread hangs. It is a warning while commands are refused or fail.
+    """
     facts = {
         "commands accepted": str(node.accepted),
         "commands refused": str(node.refused),
@@ -78,7 +80,7 @@ def health(node: NodeState, session: RobotSession | None) -> Health:
 
 
 def _device_facts(link: Link) -> dict[str, str]:
-    """The device's own counters, and the state of its clock. Empty on a classic link."""
+    """The device's own counters, and the state of its clock. It is empty on a classic link."""
     facts = {}
     clock = link.clock
     if clock is not None:

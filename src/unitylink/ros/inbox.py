@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From topics to the gateware: the newest commands are written, in one batch, and none waits and ages."""
+"""From topics to the gateware.
+
+The newest commands are written in one batch, and none waits until it is old.
+"""
 
 from __future__ import annotations
 
@@ -13,17 +16,19 @@ from unitylink.layer4_data import ValueGroup
 
 from .life import DEVICE_S, Life
 
-TRIES = 3  # of a write that fails while the link is up
+TRIES = 3  # for a write that fails while the link is up
 LOOK_S = 0.1  # how often the thread shows that it lives
 WRITES = "the thread that writes commands"
 
 
 class Inbox:
-    """Collect set-points while one write is under way, the newest for each value. Then write all together.
+    """Collect set-points during a write. The newest one of each value counts.
 
-    A message is taken whole or not at all. `on_silence` is called once when nothing was put for `timeout_s`
-    after something was (0: never). Waiting ones are dropped while not `current()`: they were meant for the
-    device as it was before.
+    Then write all of them together.
+
+    A message is taken whole or not at all. `on_silence` is called once if nothing comes for `timeout_s` after
+    a command. With 0 it is never called. Waiting commands are dropped while `current()` is false, because
+    they were meant for the device as it was before.
     """
 
     def __init__(
@@ -49,25 +54,28 @@ class Inbox:
         self._thread.start()
 
     def put(self, numbers: Mapping[str, Any]) -> None:
-        """Have values written soon. If one cannot be written, raise ValueRangeError and take none."""
+        """Let values be written soon.
+
+        If one of them cannot be written, raise ValueRangeError and take none.
+        """
         for path, number in numbers.items():
             self._group.writes[path].encode(number)
         with self._changed:
             if self._closed:
                 raise ValueRangeError("the link is down; nothing was sent")
             self.accepted += 1
-            waits = not self._pending  # else it has been told, and has not come to it yet
+            waits = not self._pending  # if it is not waiting, it has been notified, but has not run yet
             self._pending.update(numbers)
             if waits:
                 self._changed.notify_all()
 
     def forget(self) -> None:
-        """Forget the waiting ones."""
+        """Forget the waiting commands."""
         with self._changed:
             self._pending.clear()
 
     def clear(self) -> None:
-        """Forget the waiting ones, and return when the write under way has arrived."""
+        """Forget the waiting commands. Return when the current write has arrived."""
         with self._changed:
             self._pending.clear()
             self._changed.wait_for(lambda: not self._busy or self._closed)
@@ -107,7 +115,7 @@ class Inbox:
             if not self._current():
                 raise LinkDown("the link was lost meanwhile")
             self._group.write(numbers)
-        except Exception as error:  # a defect of one command must not end them all
+        except Exception as error:  # a defect in one command must not end all commands
             self.failed += 1
             self._complain(f"a command was not written: {error if str(error) else repr(error)}")
             return False
@@ -115,7 +123,7 @@ class Inbox:
         return True
 
     def _again(self, numbers: Mapping[str, Any], tried: int) -> int:
-        """Let it be written again: it is still wanted, except values with a newer set-point."""
+        """Let it be written again, because it is still wanted. Values with a newer set-point are left out."""
         with self._changed:
             if tried >= TRIES or self._closed or not self._current():
                 return 0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A robot as ROS sees it: its messages and topics, frozen, the same for ROS 1, DDS and ROS 2.
+"""A robot as ROS sees it: its messages and topics. They are frozen, and the same for ROS 1, DDS and ROS 2.
 
-`mapping.plan_interface` makes it from a spec. A generated package has it as a literal.
+`mapping.plan_interface` makes it from a spec. A generated package contains it as a literal.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ RECORD, SCALAR, JOINTS, TWIST = "record", "scalar", "joints", "twist"  # the for
 
 @dataclass(frozen=True)
 class Constant:
-    """A named number of an enumeration, in the message whose field may have it."""
+    """A named number of an enumeration. It stands in the message whose field may have it."""
 
     name: str
     type: str
@@ -22,9 +22,12 @@ class Constant:
 
 @dataclass(frozen=True)
 class Field:
-    """A field of a message. `count` 0 is one value, otherwise an array has that many. `type` is a ROS
-    primitive, or the name of a message of the same package for a packed value, whose attributes are then
-    `members`."""
+    """A field of a message.
+
+    `count` 0 is one value. Otherwise it is an array with so many values. `type` is a ROS
+    primitive. For a packed value it is the name of a message of the same package, and `members` are its
+    attributes.
+    """
 
     name: str
     type: str
@@ -35,7 +38,10 @@ class Field:
 
 @dataclass(frozen=True)
 class Message:
-    """A message type of the package. `stamped` ones begin with a header and a sequence number."""
+    """A message type of the package.
+
+    Messages that are `stamped` begin with a header and a sequence number.
+    """
 
     name: str
     fields: tuple[Field, ...]
@@ -46,8 +52,11 @@ class Message:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of a JointState. The numbers say where in the topic's `paths` its parts are, -1: it has none; a
-    value of the spec times its factor is in rad or m, rad/s or m/s, N·m or N."""
+    """A joint of a JointState.
+
+    The numbers are the places of its parts in the topic's `paths`, or -1 if it lacks one. A value of the spec
+    times its factor is in rad or m, rad/s or m/s, N·m or N.
+    """
 
     name: str
     position: int = -1
@@ -60,11 +69,11 @@ class Joint:
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic and the values of the spec which it carries, in the order of its message.
+    """A topic and the values of the spec that it carries, in the order of its message.
 
     `form` is "record" (a message of the package), "scalar" (std_msgs), "joints" (sensor_msgs/JointState) or
-    "twist" (geometry_msgs/Twist; `axes` says where each path goes). `queue` messages are kept for a slow
-    reader. `reliable` is for ROS 2. `packed`: a scalar that is the raw number of packed bits.
+    "twist" (geometry_msgs/Twist). For "twist", `axes` says where each path goes. `queue` messages are kept
+    for a slow reader. `reliable` is for ROS 2. `packed` means a scalar that is the raw number of packed bits.
     """
 
     name: str
@@ -81,7 +90,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class Interface:
-    """All of a robot: `published` goes from the gateware to ROS, `commanded` the other way."""
+    """The whole robot: `published` goes from the gateware to ROS, `commanded` the other way."""
 
     package: str
     robot: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which values of an instance are joints, by `@ros(type="JointState", ..)` or by units and names."""
+"""Which values of an instance are joints: by `@ros(type="JointState", ..)`, or by units and names."""
 
 from __future__ import annotations
 
@@ -38,15 +38,16 @@ class JointValues:
 
 
 def factor(element: Element) -> float:
-    """Return the factor from a value to rad, m, rad/s, m/s, N·m or N. 1 for an unknown unit."""
+    """Return the factor from a value to rad, m, rad/s, m/s, N·m or N. Return 1 for an unknown unit."""
     return _UNITS.get(element.unit, ("", 1.0))[1]
 
 
 def joints_of(instance: Instance, note: Note) -> list[JointValues]:
-    """Return the joints among the values that an instance itself has.
+    """Return the joints among the values that belong directly to an instance.
 
-    By structure a published READ in rad, deg, m or mm is a joint's position if a WRITE of that dimension sets
-    it: the only one of each, or one whose name begins with the READ's (`hip`, `hip_sp`).
+    Without annotations, a published READ in rad, deg, m or mm is a joint's position if a WRITE of the same
+    dimension sets it. This is the only one of each, or one whose name begins with the READ's (`hip`,
+    `hip_sp`).
     """
     if note.text("type") == "JointState":
         return [_told(instance, note)]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The link of a node: opens it when the device is there, and follows its loss and return in layer 2."""
+"""The link of a node.
+
+It opens the link when the device is there. Layer 2 handles a loss and a return, and the keeper follows them.
+"""
 
 from __future__ import annotations
 
@@ -16,31 +19,31 @@ CHECK_S = 0.1  # how soon a loss is noticed
 
 
 class Session(Protocol):
-    """The work of a node on a link."""
+    """What a node does on a link."""
 
     def forget(self) -> None:
-        """Forget the commands that wait: the line is gone."""
+        """Forget the waiting commands, because the line is gone."""
         ...
 
     def stale(self) -> bool:
-        """Whether the device may no longer hold what was written to it. Raises LinkError."""
+        """Whether the device may have lost what was written to it. Raises LinkError."""
         ...
 
     def renew(self) -> None:
-        """Make the device fit for commands again, and safe before that. Raises LinkError."""
+        """Make the device safe, and then ready for commands again. Raises LinkError."""
         ...
 
     def close(self) -> None: ...
 
 
 class LinkKeeper:
-    """Keep a session on a link: `connect()` opens one, `begin(link, again)` makes the session.
+    """Keep a session on a link. `connect()` opens a link, and `begin(link, again)` makes the session.
 
-    Layer 2 opens a lost line again (`reconnect=1`). This class does the rest: the device may be absent at the
-    beginning, and a device that comes back is made safe before commands are taken. A link that has ended for
-    good (another device, a URL that cannot be opened again) is opened anew as at the beginning. `say(level,
-    message)` hears of every change. An error that waiting cannot mend (a URL, a spec) ends the keeper:
-    `failure`.
+    Layer 2 opens a lost line again (`reconnect=1`). This class does the rest. The device may be absent at the
+    beginning. A device that comes back is made safe before commands are taken. A link may end for good
+    (another device, a URL that cannot be opened again). Then it is opened again as at the beginning.
+    `say(level, message)` gets every change. Waiting cannot mend some errors, such as those of a URL or a
+    spec. Such an error ends the keeper and is its `failure`.
     """
 
     def __init__(
@@ -82,7 +85,7 @@ class LinkKeeper:
                 except LinkError as error:
                     self._become(1, f"waiting for the device: {error}")
                     self._stop.wait(self._retry_s)
-        except Exception as error:  # a defect, too, must end the node and not only this thread
+        except Exception as error:  # a defect, too, must end the whole node and not only this thread
             self.failure = error
             self.state = str(error) if isinstance(error, UnityLinkError) else f"internal error: {error!r}"
             self._say(2, self.state)
@@ -112,14 +115,15 @@ class LinkKeeper:
                     if not self.up.is_set():
                         session.renew()
                         self._rise(link)
-                except LinkError as error:  # whether the line is gone is for layer 2 to say
+                except LinkError as error:  # layer 2 decides whether the line is gone
                     if not self.up.is_set():
                         self._become(2, f"the link is lost: {error}")
         finally:
             session.close()
 
     def _rise(self, link: Link) -> None:
-        self.up.set()  # before it is said, which may take a while: who hears it may send a command
+        # set before the message, which may take a while, because its receiver may send a command
+        self.up.set()
         self._become(0, f"connected to {link.url}")
 
     def _fall(self, session: Session, reason: str) -> None:

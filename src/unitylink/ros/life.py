@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether a node's threads work. The link is told, and through it the gateware's dead-man."""
+"""Whether a node's threads work. The link learns this, and through it the gateware's dead-man."""
 
 from __future__ import annotations
 
@@ -8,32 +8,36 @@ import time
 from collections.abc import Callable
 
 LOOK_S = 0.05
-PATIENCE_S = 1.0  # with a thread that shows nothing of itself
-DEVICE_S = 10.0  # with one that waits for an answer of the device: the link ends that by itself, and sooner
+PATIENCE_S = 1.0  # for a thread that gives no sign
+DEVICE_S = 10.0  # for one that waits for an answer of the device; the link ends that by itself, and sooner
 
 
 class Life:
-    """The signs of life of a node's threads. Each is judged by the time of its last sign.
+    """The signs of life of a node's threads. The time of its last sign decides about each thread.
 
-    A thread with a loop calls `beat` in each turn, to its end: one that has died or hangs turns no more. Who
-    is called from elsewhere does its work within `work`. `patience_s` is how long a sign holds (s).
+    A thread with a loop calls `beat` in each round until its end. A thread that has died or hangs makes no
+    more rounds. Code that other threads call works within `work`. `patience_s` is how long a sign is valid,
+    in s.
     """
 
     def __init__(self, patience_s: float = PATIENCE_S) -> None:
         self.patience_s = patience_s
-        self._signs: dict[int, tuple[str, float, float]] = {}  # by thread: its task, since when, until when
+        self._signs: dict[int, tuple[str, float, float]] = {}  # thread -> (its task, since when, until when)
 
     def beat(self, what: str, most_s: float = 0.0) -> None:
-        """Show that the calling thread works. It must do so again within `most_s`, or the usual time."""
+        """Give a sign that the calling thread works.
+
+        The thread must do so again within `most_s`, or within the usual time.
+        """
         now_s = time.monotonic()
         self._signs[threading.get_ident()] = what, now_s, now_s + max(most_s, self.patience_s)
 
     def rest(self) -> None:
-        """Show no more: the calling thread ends as it should."""
+        """Give no more signs, because the calling thread ends as it should."""
         self._signs.pop(threading.get_ident(), None)
 
     def work(self, what: str, most_s: float = 0.0) -> Work:
-        """Return a context manager for a task that must end within `most_s`, or the usual time."""
+        """Return a context manager for a task that must end within `most_s`, or within the usual time."""
         return Work(self, what, most_s)
 
     def doing(self) -> str:
@@ -42,7 +46,7 @@ class Life:
         return sign[0] if sign is not None else ""
 
     def trouble(self) -> str:
-        """Return which task has not moved on, or "" if all works."""
+        """Return the task that has not moved on, or "" if all threads work."""
         now_s = time.monotonic()
         for what, since_s, until_s in list(self._signs.values()):
             if now_s > until_s:
@@ -51,7 +55,7 @@ class Life:
 
 
 class Work:
-    """A task of a thread. It must end within its block. After that the task before it goes on."""
+    """A task of a thread. It must end within its block. After that, the task before it continues."""
 
     __slots__ = ("_life", "_most_s", "_outer", "_what")
 
@@ -70,9 +74,9 @@ class Work:
 
 
 class Watch:
-    """Look after a node's life in a thread of its own, which never waits for anything else.
+    """Watches a node's life in a thread of its own, which never waits for anything else.
 
-    While all threads work, `alive` is called. `hangs(trouble)` is called when one stands still, and with ""
+    While all threads work, `alive` is called. `hangs(trouble)` is called when a thread hangs, and with ""
     when it works again.
     """
 

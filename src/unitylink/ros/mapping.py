@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a spec to the topics and messages of its robot: the rule of docs/ros.md.
+"""From a spec to the topics and messages of its robot, by the rule of docs/ros.md.
 
 >>> from unitylink.spec import compile_text
 >>> text = "public lamp() { @led = 0x0: WRITE(); @dark = 0x1: READ(PUBLISH(1,10)); }"
@@ -34,8 +34,8 @@ def plan_interface(spec: Spec, root: str | None = None, *, standard: bool = Fals
 
     With `standard` it has only messages that every ROS has, for tools without the generated package.
 
-    Raises BindingError where two names of the spec are one in ROS, an `@ros(..)` is wrong, or the constructor
-    needs more than one link.
+    Raises BindingError if two names of the spec become the same in ROS, if an `@ros(..)` is wrong, or if the
+    constructor needs more than one link.
     """
     try:
         instance = spec.root(root)
@@ -54,7 +54,8 @@ class _Planner:
     def __init__(self, spec: Spec, root: Instance, standard: bool) -> None:
         self.spec, self.root, self.standard = spec, root, standard
         self.package = package_name(root.name)
-        self.messages: dict[str, Message] = {}  # by name in lower case: files of C++ headers
+        # by name in lower case, because names of C++ headers are in lower case
+        self.messages: dict[str, Message] = {}
         self.published: list[Topic] = []
         self.commanded: list[Topic] = []
         self.measured: dict[Publish, list[JointValues]] = {}
@@ -222,7 +223,10 @@ class _Planner:
         return message.name, tuple(field_names(kind).values())
 
     def _claim(self, message: Message) -> Message:
-        """Give a message its name: that of an equal one, else a free one (`JointFeedback2`)."""
+        """Give a message its name.
+
+        An equal message has the same one, a new one gets a free name (`JointFeedback2`).
+        """
         name, number = message.name, 1
         name = f"{name}Bits" if name in RESERVED_MESSAGES else name
         while True:
@@ -280,7 +284,7 @@ class _Planner:
 
 
 def _plain(message: Message) -> Message:
-    """Two expansions of one constructor differ in display names: their message is the same."""
+    """Remove display names, so that two expansions of one constructor have the same message."""
     return replace(
         message, fields=tuple(replace(field, comment="") for field in message.fields), documentation=""
     )
@@ -295,7 +299,7 @@ def _prefix(instance: Instance, note: Note) -> str:
 
 
 def _label(publish: Publish) -> str:
-    """Name one of several publishes of an instance: by its group, its event, or its rate."""
+    """Name one of several publishes of an instance by its group, its event, or its rate."""
     if publish.group:
         return field_name(publish.group)
     if publish.trigger != "rate":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spec names as ROS names: one rule for ROS 1 and ROS 2, as strict as the stricter of the two."""
+"""Names of a spec as ROS names. One rule serves ROS 1 and ROS 2, and follows the stricter of the two."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ register reinterpret_cast requires return short signed sizeof static static_asse
 template this thread_local throw true try typedef typeid typename union unix unsigned using virtual void
 volatile wchar_t while xor xor_eq
 """  # of C++20; linux and unix are macros of GCC
-# Of messages: in ROS 1 a type Header is that of std_msgs, and a service's header is called like a message's.
+# For messages. In ROS 1, a type Header would be that of std_msgs, and a service's header has the name of a
+# message's.
 _SERVICES = ("Read", "Write")
 RESERVED_MESSAGES = frozenset(
     {"Header", *(name + end for name in _SERVICES for end in ("", "Request", "Response", "Event"))}
@@ -26,7 +27,7 @@ _WORDS = frozenset(_CPP.split()) | {word.lower() for word in keyword.kwlist}
 
 
 def field_name(name: str) -> str:
-    """Return a name of a message's field: lower case, words parted by one underscore.
+    """Return the name of a message's field: lower case, with one underscore between words.
 
     >>> field_name("cpos"), field_name("maxSpeed"), field_name("leg[2]"), field_name("class")
     ('cpos', 'max_speed', 'leg_2', 'class_value')
@@ -49,7 +50,7 @@ def topic_name(path: str) -> str:
 
 
 def joint_name(path: str) -> str:
-    """Return a joint's name as URDFs have them: `leg[2].hip` -> `leg_2_hip`."""
+    """Return a joint's name in the form of URDFs: `leg[2].hip` -> `leg_2_hip`."""
     return topic_name(path).replace("/", "_")
 
 

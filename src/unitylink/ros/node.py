@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The node behind every front end: topics on one side, a link that may come and go on the other."""
+"""The node behind every front end, with topics on one side.
+
+On the other side is a link that may come and go.
+"""
 
 from __future__ import annotations
 
@@ -30,11 +33,13 @@ COMPLAIN_EVERY_S = 1.0
 
 @dataclass(frozen=True)
 class Options:
-    """The options of a user.
+    """The options that a user can set.
 
-    After `command_timeout_s` without a command the node makes the robot safe (0: never). After `deadman_s`
-    without a sign of life from the node the gateware does so (0: never). `safe_at_exit` writes the safe
-    values when the node ends. With `armed` False no commands are taken before `arm` was called."""
+    After `command_timeout_s` without a command, the node makes the robot safe. With 0 it never does. After
+    `deadman_s` without a sign of life from the node, the gateware does so. With 0 it never does.
+    `safe_at_exit` writes the safe values when the node ends. If `armed` is False, no commands are taken
+    before `arm` is called.
+    """
 
     command_timeout_s: float = 0.0
     deadman_s: float = 1.0
@@ -44,10 +49,10 @@ class Options:
 
 
 class RobotNode:
-    """Connect a robot to a plane of messages, from construction until `close`.
+    """Connects a robot to a plane of messages, from the constructor until `close`.
 
-    `connect()` opens the link and `build(link)` makes the robot's values on it. It does not raise if there is
-    no device: the node waits for it, and says so.
+    `connect()` opens the link, and `build(link)` makes the robot's values on it. If there is no device,
+    nothing is raised. The node reports this and waits for the device.
     """
 
     def __init__(
@@ -74,18 +79,18 @@ class RobotNode:
         self.senders: Sequence[tuple[Topic, Send]] = [
             (topic, sender(interface, topic, plane)) for topic in interface.published
         ]
-        # before the first subscription, whose messages ask it how it stands
+        # made before the first subscription, because its messages ask the keeper for the state
         self.keeper = LinkKeeper(connect, self._begin, plane.say, retry_s=self.options.retry_s)
         self._watch = Watch(self.life, self._alive, self._hangs)
         for topic in interface.commanded:
             plane.subscribe(topic, self._taker(receiver(interface, topic)), self.undecodable)
         plane.serve("set_safe", TRIGGER, self.set_safe)
         plane.serve("arm", SET_BOOL, self.arm)
-        if services:  # their types are those of a generated package
+        if services:  # their types are in the generated package
             plane.serve("read", READ, self.read)
             plane.serve("write", WRITE, self.write)
 
-    # What the link brings
+    # What the link causes
 
     def _begin(self, link: Link, again: bool) -> RobotSession:
         needs = SessionNeeds(
@@ -109,10 +114,10 @@ class RobotNode:
 
     @property
     def session(self) -> RobotSession | None:
-        """The session, while the link is up and the device ready for commands."""
+        """The session while the link is up and the device is ready for commands, else None."""
         return self._session if self.keeper.up.is_set() else None
 
-    # What its threads show
+    # What the node's threads report
 
     def _alive(self) -> None:
         session = self._session
@@ -128,17 +133,19 @@ class RobotNode:
             self.plane.say(1, "all threads work again")
 
     def make_safe_when_hanging(self, session: RobotSession) -> None:
-        """Write the safe values once, while the link still takes them: not all gateware has a dead-man."""
+        """Write the safe values once while the link still accepts them, because not all gateware has a
+        dead-man.
+        """
         if self.hanging and not self._made_safe and not session.guard.tripped:
             self._made_safe = True
             session.tree.apply_safe()
 
     @property
     def state(self) -> str:
-        """A sentence: what hangs, or the state of the link."""
+        """A sentence: which task hangs, or the state of the link."""
         return self.hanging or self.keeper.state
 
-    # What ROS brings
+    # What ROS causes
 
     def _taker(self, read: Read) -> Callable[[Any], None]:
         def take(message: Any) -> None:
@@ -152,7 +159,7 @@ class RobotNode:
                 self.accepted += 1
             except UnityLinkError as error:
                 self._refuse(str(error))
-            except Exception as error:  # whatever a message holds, the next one is taken
+            except Exception as error:  # whatever one message holds, the next one is taken
                 self._refuse(f"a command was not understood: {error!r}")
 
         return take
@@ -166,7 +173,9 @@ class RobotNode:
         self._refuse(f"{topic}: the message does not have its type: {error}")
 
     def complain(self, message: str) -> None:
-        """Warn, at most once a second: a stream of wrong commands must not become a stream of warnings."""
+        """Warn at most once a second, because a stream of wrong commands must not become a stream of
+        warnings.
+        """
         with self._lock:
             now = time.monotonic()
             if now - self._complained_s < COMPLAIN_EVERY_S:
@@ -185,7 +194,7 @@ class RobotNode:
             return False, str(error)
 
     def set_safe(self) -> tuple[bool, str]:
-        """Write the safe values, and forget the commands that wait."""
+        """Write the safe values, and forget the waiting commands."""
 
         def act(session: RobotSession) -> str:
             session.inbox.clear()
@@ -197,7 +206,7 @@ class RobotNode:
         return self._with(act)
 
     def arm(self, on: bool) -> tuple[bool, str]:
-        """Take commands from now on. Without `on` take none any more, and write the safe values."""
+        """Take commands from now on. Without `on`, take no more commands and write the safe values."""
         if on:
             if self.hanging:
                 return False, self.hanging
@@ -226,7 +235,7 @@ class RobotNode:
             return False, "the robot is not armed (service arm); nothing was written"
         return self._with(lambda session: write_values(session.tree, names, values))
 
-    # How it does
+    # Its health
 
     def health(self) -> Health:
         state = NodeState(
@@ -235,7 +244,7 @@ class RobotNode:
         return health(state, self.session)
 
     def close(self) -> None:
-        """End the link. Before that write the safe values, if the options say so and a command had come."""
+        """End the link. Before that, write the safe values if the options say so and a command has come."""
         session = self.session
         if session is not None and self.options.safe_at_exit and self.accepted:
             try:

@@ -7,7 +7,7 @@ from unitylink.errors import BindingError
 from unitylink.spec.annotation import Annotation, AnnotationValue
 from unitylink.spec.model import Element, Instance
 
-# option -> its type; without this a misspelt one would silently have no effect
+# option -> its type; without this table, a misspelt option would silently have no effect
 TWIST_AXES = ("linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z")
 JOINT_PARTS = ("position", "velocity", "effort", "position_sp", "velocity_sp", "effort_sp")
 _INSTANCE = {
@@ -24,7 +24,10 @@ _INSTANCE_TYPES = ("JointState", "Twist")
 
 
 class Note:
-    """The `@ros(..)` of one declaration, checked. BindingError names the place and the choices."""
+    """The `@ros(..)` of one declaration, after the checks.
+
+    Raises BindingError, which names the place and the choices.
+    """
 
     def __init__(self, item: Element | Instance) -> None:
         self.where = f"{item.span.file}:{item.span.line}: `{item.path or item.name}`"
@@ -45,7 +48,7 @@ class Note:
         for key, given in annotation.options:
             if key not in known:
                 raise self.wrong(f"there is no option {key!r}; there are {', '.join(known)}")
-            # the language's forms of false and true
+            # the language writes true and false as 1 and 0
             value = bool(given) if known[key] is bool and given in (0, 1) else given
             if not isinstance(value, known[key]):
                 raise self.wrong(f"{key}={value!r} is not of type {known[key].__name__}")

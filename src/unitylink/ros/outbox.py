@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From publishes to topics: one message per consistent set, never one that mixes old and new."""
+"""From publishes to topics.
+
+Each consistent set makes one message, and no message mixes old and new values.
+"""
 
 from __future__ import annotations
 
@@ -21,21 +24,22 @@ if TYPE_CHECKING:
     from unitylink.layer2_message.native_link import Times, Words
 
 PUBLISHES = "the thread that publishes"
-Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw numbers or not, what sends them
+# (what picks a topic's values, None for all; whether raw numbers are taken; what sends them)
+Route = tuple[Any, bool, Send]
 
 
 class _Routes:
-    """The topics for the values of one publish. `masks` and `signs` make numbers of their words."""
+    """The topics for the values of one publish. `masks` and `signs` turn their words into numbers."""
 
     def __init__(self, values: Sequence[PublishedValue], routes: list[Route]) -> None:
-        self.values = values  # kept alive: they are known by their identity
+        self.values = values  # kept alive, because the routes are found by their identity
         self.routes = routes
         self.masks = np.array([value.codec.mask for value in values], np.int64)
         self.signs = np.array([value.codec.sign for value in values], np.int64)
 
 
 class Outbox:
-    """Hand each publish to the topics whose values it carries, from now until `close`."""
+    """Gives each publish to the topics whose values it carries, from now until `close`."""
 
     def __init__(
         self,
@@ -50,7 +54,7 @@ class Outbox:
         self._publisher = tree.publisher
         self._topics = topics
         self._joins: dict[int, _Join] = {}
-        self._routes: dict[int, _Routes] = {}  # by identity of the tuple a publish comes with
+        self._routes: dict[int, _Routes] = {}  # by the identity of the tuple that comes with a publish
         self._publisher.take_with(self._take, self._take_many)
 
     def _take(
@@ -64,11 +68,14 @@ class Outbox:
         self.received += 1
 
     def _take_many(self, times: Times, values: Sequence[PublishedValue], words: Words) -> None:
-        """The same for all that has come meanwhile: of a fast stream, a third of the time."""
+        """Do the same for all publishes that have come meanwhile.
+
+        For a fast stream, this takes a third of the time.
+        """
         self.received += len(times)
         found = self._routes_of(values)
         numbers = ((words & found.masks) ^ found.signs) - found.signs
-        # by columns: thousands of rows that live at once would keep the garbage collector at work
+        # by columns, because thousands of rows at once would keep the garbage collector busy
         rows, raw_rows = zip(*numbers.T.tolist(), strict=True), zip(*words.T.tolist(), strict=True)
         with self._life.work(PUBLISHES, DEVICE_S), self._gathered():
             for time_s, row, raws in zip(times.tolist(), rows, raw_rows, strict=True):
@@ -90,7 +97,7 @@ class Outbox:
             mine = [path for path in paths if path in where]
             if len(mine) == len(paths):
                 routes.append((_picker([where[path] for path in paths], len(values)), topic.packed, send))
-            elif mine:  # the gateware carries it in several groups
+            elif mine:  # the gateware carries the topic in several groups
                 join = self._joins.setdefault(number, _Join(paths, send, _period_s(values[0])))
                 routes.append((_picker([where[path] for path in mine], -1), False, join.part(mine)))
         return routes
@@ -114,7 +121,7 @@ def _period_s(value: PublishedValue) -> float:
 
 
 class _Join:
-    """A topic whose values come in several publishes: sent when all parts of one tick have come."""
+    """A topic whose values come in several publishes. It is sent when all parts of one tick have come."""
 
     def __init__(self, paths: Sequence[str], send: Send, period_s: float) -> None:
         self._paths, self._send, self._period_s = paths, send, period_s
@@ -125,7 +132,7 @@ class _Join:
         key = tuple(paths)
 
         def take(time_s: float, numbers: Sequence[Any]) -> None:
-            if self._period_s:  # values of the tick before whose other part was lost
+            if self._period_s:  # values of the tick before, whose other part was lost
                 for other in [k for k, (t, _) in self._parts.items() if time_s - t > self._period_s / 2]:
                     del self._parts[other]
             self._parts[key] = (time_s, numbers)

@@ -25,7 +25,7 @@ class Parameters:
     armed: bool = True
 
     def options(self) -> Options:
-        """Return the options of the node. UrlError if there is no link, or a number is wrong."""
+        """Return the options of the node. Raises UrlError if there is no link, and for a wrong number."""
         if not self.link:
             raise UrlError("no link: set the parameter link, as in link:=serial:/dev/ttyUSB0?baud=3000000")
         for name in ("command_timeout", "deadman_s"):

@@ -15,7 +15,7 @@ from .life import Life
 _log = logging.getLogger("unitylink.ros")
 TRIGGER, SET_BOOL, READ, WRITE = "std_srvs/Trigger", "std_srvs/SetBool", "Read", "Write"
 
-# kind -> (what it is asked with, what it answers): fields as `standard.py` has them
+# kind -> (fields of the request, fields of the reply), with fields as in `standard.py`
 SERVICE_FIELDS: dict[str, tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]] = {
     TRIGGER: ((), (("success", "bool"), ("message", "string"))),
     SET_BOOL: ((("data", "bool"),), (("success", "bool"), ("message", "string"))),
@@ -40,29 +40,34 @@ def log_refused(topic: str, error: Exception) -> None:
 
 @dataclass(frozen=True)
 class Port:
-    """The port for messages of one topic. `wanted` says whether there is a reader, so that none is made in
-    vain."""
+    """The port for messages of one topic.
+
+    `wanted` says whether there is a reader, so that no message is made in vain.
+    """
 
     send: Callable[[Any], object]
     wanted: Callable[[], bool]
 
 
 class Plane(Protocol):
-    """A front end. Types have names as in ROS 1: `sensor_msgs/JointState`, and
-    `scara_unitylink/JointFeedback` of the robot's own package. Its threads show to `life` that they work."""
+    """A front end.
+
+    Types have their names of ROS 1: `sensor_msgs/JointState`, and `scara_unitylink/JointFeedback` of the
+    robot's own package. Its threads give signs to `life` that they work.
+    """
 
     life: Life
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
-        """Return a function that makes a message of the values of its fields, in order."""
+        """Return a function that makes a message from the values of its fields, in order."""
         ...
 
     def header(self, time_s: float, frame: str) -> Any:
-        """Return a std_msgs/Header stamped with a time of time.monotonic()."""
+        """Return a std_msgs/Header with a time of time.monotonic() as its stamp."""
         ...
 
     def level(self, level: int) -> Any:
-        """Return a diagnostic level as the front end's messages have it."""
+        """Return a diagnostic level in the type of the front end's messages."""
         ...
 
     def advertise(self, topic: Topic) -> Port: ...
@@ -72,16 +77,17 @@ class Plane(Protocol):
         ...
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
-        """Call `take(message)` for each message. If they come too fast, the newest wins.
+        """Call `take(message)` for each message. If messages come too fast, only the newest is taken.
 
         `refuse(topic, error)` is called for bytes that are not a message of its type.
         """
         ...
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
-        """Offer a service: the handler gets the fields of a request and returns those of the answer.
+        """Offer a service. The handler gets the fields of a request, and returns those of the reply.
 
-        It is not called by the thread that takes messages: that one may hang, and the service be `set_safe`.
+        The thread that takes messages does not call it, because that thread may hang, and the service may be
+        `set_safe`.
         """
         ...
 

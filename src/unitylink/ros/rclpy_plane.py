@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The front end of ROS 2 where ROS is installed: rclpy."""
+"""The front end of ROS 2 for machines with ROS: it uses rclpy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 
 
 class RclpyPlane:
-    """Carries messages by a node of rclpy. Names are relative to the node's namespace."""
+    """Carries messages with a node of rclpy. Names are relative to the node's namespace."""
 
     def __init__(self, node: Any, interface: Interface) -> None:
         self._node = node
@@ -26,7 +26,7 @@ class RclpyPlane:
         self._time = self._message("builtin_interfaces/Time")
         self._qos = import_module("rclpy.qos")
         self.life = Life()
-        # Of a group of its own, a service such as set_safe is answered though a callback of a topic hangs.
+        # In a group of its own, a service such as set_safe is answered even if a callback of a topic hangs.
         self._services = import_module("rclpy.callback_groups").MutuallyExclusiveCallbackGroup()
 
     def _message(self, type_name: str, part: str = "msg") -> Any:
@@ -46,7 +46,7 @@ class RclpyPlane:
         return self._header(stamp=stamp, frame_id=frame)
 
     def level(self, level: int) -> bytes:
-        return bytes([level])  # `byte` in ROS 2's Python
+        return bytes([level])  # type of `byte` in ROS 2's Python
 
     def advertise(self, topic: Topic) -> Port:
         publisher = self._node.create_publisher(
@@ -55,10 +55,10 @@ class RclpyPlane:
         return Port(publisher.publish, lambda: publisher.get_subscription_count() > 0)
 
     def gathered(self) -> AbstractContextManager[None]:
-        return nullcontext()  # each message goes by itself
+        return nullcontext()  # each message is sent alone
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
-        del refuse  # rclpy replaces what is not text, and hands on the rest
+        del refuse  # rclpy replaces bytes that are not text, and passes on the rest
         profile = self._profile(1, topic.reliable)
 
         def work(message: Any) -> None:
@@ -82,7 +82,7 @@ class RclpyPlane:
 
     def say(self, level: int, message: str) -> None:
         logger = self._node.get_logger()
-        # A line each: rclpy raises where one line logs with another severity than the time before.
+        # One line for each severity, because rclpy raises if a line logs with another severity than before.
         if level == 0:
             logger.info(message)
         elif level == 1:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From one message to the values to be written: a function for each topic."""
+"""From one message to the values that are written. There is a function for each topic."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ Read = Callable[[Any], dict[str, Any]]  # message -> value by path
 
 
 def receiver(interface: Interface, topic: Topic) -> Read:
-    """Return a function that reads a topic's messages. It raises ValueRangeError for one that makes no
-    sense."""
+    """Return a function that reads a topic's messages.
+
+    It raises ValueRangeError for a message that makes no sense.
+    """
     if topic.form == SCALAR:
         path = topic.paths[0]
         return lambda message: {path: message.data}
@@ -78,7 +80,7 @@ def _joints(topic: Topic) -> Read:
                 if joint is None:
                     raise ValueRangeError(f"{topic.name}: no joint is called {name!r}; there are {known}")
                 at = getattr(joint, part)
-                if isnan(value):  # NaN: as it is
+                if isnan(value):  # a NaN is kept
                     continue
                 if at < 0:
                     raise ValueRangeError(f"{topic.name}: the {part} of {name} cannot be set; leave it out")

@@ -41,7 +41,7 @@ class RospyPlane:
     """Carries messages by rospy, after rospy.init_node."""
 
     def __init__(self, package: str) -> None:
-        self._package = package  # of the robot, whose services it has
+        self._package = package  # the robot's package, which has the types of the services
         self.rospy = _module("rospy")
         self._time = _module("genpy").Time
         self._header = _module("std_msgs.msg").Header
@@ -75,12 +75,12 @@ class RospyPlane:
         return Port(publisher.publish, lambda: publisher.get_num_connections() > 0)
 
     def gathered(self) -> AbstractContextManager[None]:
-        return nullcontext()  # each message goes by itself
+        return nullcontext()  # each message is sent alone
 
     def subscribe(
         self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused, *, depth: int = 1
     ) -> None:
-        del refuse  # rospy replaces what is not text, and hands on the rest
+        del refuse  # rospy replaces bytes that are not text, and passes on the rest
 
         def work(message: Any) -> None:
             with self.life.work("the thread that takes messages"):
@@ -101,7 +101,7 @@ class RospyPlane:
 
 
 def main(interface: Interface, robot: Callable[[Link], Node], connect: Callable[..., Link]) -> int:
-    """Run a generated package's node, and return its exit code. An error is printed in a line."""
+    """Run a generated package's node, and return its exit code. An error is printed in one line."""
     try:
         return run(interface, robot, connect)
     except UnityLinkError as error:
@@ -118,9 +118,12 @@ def run(
     namespace: str = "",
     services: bool = True,
 ) -> int:
-    """Run the robot's node until ROS ends it. Return the exit code. Without `parameters` ROS has them."""
+    """Run the robot's node until ROS ends it.
+
+    Return the exit code. Without `parameters`, they come from ROS.
+    """
     if namespace:
-        os.environ["ROS_NAMESPACE"] = namespace  # read when rospy is imported
+        os.environ["ROS_NAMESPACE"] = namespace  # rospy reads this when it is imported
     plane = RospyPlane(interface.package)
     rospy = plane.rospy
     rospy.init_node("unitylink" if namespace else interface.robot)
@@ -137,7 +140,7 @@ def run(
         while not rospy.is_shutdown() and not node.keeper.ended.is_set():
             told.send(diagnostics(plane, rospy.get_name(), node.health(), time.monotonic()))
             node.keeper.ended.wait(DIAGNOSTICS_PERIOD_S)
-    except rospy.ROSException:  # publishing while ROS shuts down
+    except rospy.ROSException:  # a publish while ROS shuts down
         if not rospy.is_shutdown():
             raise
     finally:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The node of ROS 2: on rclpy where ROS is, else on DDS alone."""
+"""The node of ROS 2. It uses rclpy if ROS is installed, else only DDS."""
 
 from __future__ import annotations
 
@@ -34,10 +34,11 @@ Connect = Callable[..., "Link"]  # as unitylink.connect
 
 
 def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
-    """Run a generated package's node. Return the exit code. `--dds` does without rclpy even if it is
-    installed.
+    """Run a generated package's node.
 
-    Parameters are given as ROS 2 does: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
+    Return the exit code. With `--dds` it does not use rclpy even if that is installed.
+
+    Parameters have the form of ROS 2: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     dds = "--dds" in given
@@ -132,7 +133,7 @@ def run_dds(
 
 def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: Sequence[str]) -> int:
     rclpy = import_module("rclpy")
-    # Its own handler of signals ends the context at once, while the link's thread still publishes.
+    # rclpy's own signal handler would end the context at once, while the link's thread still publishes.
     no_signals = import_module("rclpy.signals").SignalHandlerOptions.NO
     rclpy.init(args=[sys.argv[0], *arguments], signal_handler_options=no_signals)
     ros = rclpy.create_node("unitylink")
@@ -144,7 +145,8 @@ def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: 
     node = RobotNode(interface, plane, lambda: connect(parameters.link, reconnect="auto"), build, options)
     told = plane.advertise(DIAGNOSTICS)
     executors = import_module("rclpy.executors")
-    executor = executors.MultiThreadedExecutor(num_threads=3)  # topics, services, the node's own parameters
+    # one for topics, one for services, one for the node's own parameters
+    executor = executors.MultiThreadedExecutor(num_threads=3)
     executor.add_node(ros)
     due_s = 0.0
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From the values of one publish to one message: a function per topic, with nothing left to look up."""
+"""From the values of one publish to one message. The function of a topic has nothing left to look up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 from .interface import JOINTS, SCALAR, Field, Interface, Topic
 from .plane import Plane, Port
 
-Send = Callable[[float, Sequence[Any]], None]  # time_s of time.monotonic(), values in the order of the paths
+# takes time_s of time.monotonic(), and values in the order of the paths
+Send = Callable[[float, Sequence[Any]], None]
 JOINT_STATE = ("header", "name", "position", "velocity", "effort")
 
 
@@ -58,7 +59,7 @@ def _plain(field: Field) -> bool:
 def packer(
     interface: Interface, fields: Sequence[Field], plane: Plane
 ) -> Callable[[Sequence[Any]], list[Any]]:
-    """Return a function that makes the values of a message's fields, also of arrays and packed values."""
+    """Return a function that turns values into a message's fields, including arrays and packed values."""
     inner = {message.name: message for message in interface.messages}
     makers = [
         plane.maker(f"{interface.package}/{field.type}", [one.name for one in inner[field.type].fields])
@@ -88,7 +89,8 @@ def _joints(topic: Topic, plane: Plane, port: Port) -> Send:
     columns = []
     for part in ("position", "velocity", "effort"):
         column = [(getattr(joint, part), getattr(joint, f"{part}_factor")) for joint in topic.joints]
-        whole = all(at >= 0 for at, _ in column)  # a joint without a part that others have gets a NaN
+        # if other joints have a part that this one lacks, it gets a NaN
+        whole = all(at >= 0 for at, _ in column)
         some = any(at >= 0 for at, _ in column)
         columns.append((column if some else [], whole))
     nan = float("nan")

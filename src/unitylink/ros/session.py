@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The work of a node on an open link: the robot's values, its dead-man, commands in and publishes out."""
+"""The work of a node on an open link: the robot's values, its dead-man, incoming commands and outgoing
+publishes.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SessionNeeds:
-    """What a session gets from its node: the robot, where messages go, and who is told of changes."""
+    """What a session gets from its node: the robot, where messages go, and who learns of changes."""
 
     interface: Interface
     plane: Plane
@@ -33,14 +35,14 @@ class SessionNeeds:
     command_timeout_s: float
     armed: Callable[[], bool]
     complain: Callable[[str], None]
-    looked_after: Callable[[RobotSession], None]  # called each time the keeper looks at the session
+    looked_after: Callable[[RobotSession], None]  # called each time the keeper checks the session
     ended: Callable[[RobotSession], None]
 
 
 class RobotSession:
     """A robot on one link, from its first connection on. The line may be lost and come back.
 
-    `again`: this node had another link before, so the device is made safe first.
+    `again` means that this node had another link before. Then the device is made safe first.
     """
 
     def __init__(self, needs: SessionNeeds, link: Link, tree: Node, *, again: bool) -> None:
@@ -72,7 +74,7 @@ class RobotSession:
         )
         try:
             tree.start_publishing(fallback=True)
-            with suppress(DeviceMismatch):  # mapped memory: there is no line
+            with suppress(DeviceMismatch):  # mapped memory has no line
                 link.watch_program(needs.plane.life.patience_s)
         except BaseException:
             self.close()
@@ -84,19 +86,19 @@ class RobotSession:
         return f"safe values written: {', '.join(names)}" if names else ""
 
     def _make_fit(self, old: bool) -> None:
-        """If the node is armed, arm a gateware that has tripped. Then write the safe values."""
+        """If the node is armed, arm gateware whose dead-man has tripped. Then write the safe values."""
         if self.guard.tripped and self._needs.armed():
             self.guard.arm()
             self._say(1, "the dead-man had tripped and made the outputs safe; they are armed again")
-        self._generation = self.link.generation  # a loss from here on: all of it once more
+        self._generation = self.link.generation  # after a loss from here on, everything is done again
         if self.guard.tripped:
             self._say(1, "the dead-man has tripped: the outputs are safe until the service arm is called")
-        elif old:  # first of all, because commands before the loss are old
+        elif old:  # first of all, because commands from before the loss are old
             self.tree.apply_safe()
             said = self.said_safe() or "the spec gives no SAFE values, so its outputs stay as they are"
             self._say(1, f"the device is back; {said}; earlier commands are dropped")
 
-    # Asked by the keeper
+    # Called by the keeper
 
     def forget(self) -> None:
         self.inbox.forget()
@@ -117,10 +119,10 @@ class RobotSession:
         with suppress(LinkError):
             self.tree.stop_publishing()
 
-    # Asked by the inbox
+    # Called by the inbox
 
     def _current(self) -> bool:
-        """Whether the device is the one that was made ready, and holds what was written since."""
+        """Whether the device is still the one that was made ready, and holds what was written since."""
         return self.link.generation == self._generation and self.link.up
 
     def _silent(self) -> None:

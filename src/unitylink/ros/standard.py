@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The messages of ROS 2 that a node uses, as their packages define them, for a DDS without ROS."""
+"""The messages of ROS 2 that a node uses, as their packages define them. They serve a DDS without ROS."""
 
 from __future__ import annotations
 
 from .field_types import SCALARS
 from .interface import Interface
 
-# type -> fields: (name, primitive, "string" or another type; "[]" behind it is a sequence, "[3]" an array)
+# type -> fields: (name, primitive, "string" or another type). After it, "[]" means a sequence, and "[3]" an
+# array.
 Fields = tuple[tuple[str, str], ...]
 STANDARD: dict[str, Fields] = {
     **{f"std_msgs/{name}": (("data", primitive),) for primitive, name in SCALARS.items()},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading and writing by name, for the services."""
+"""Reads and writes by name, for the services."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def read_values(tree: Node, names: Sequence[str], values: list[float], texts: li
 
 
 def write_values(tree: Node, names: Sequence[str], values: Sequence[float]) -> str:
-    """Write WRITEs together, then PULSEs and W1Cs one by one. All are checked before."""
+    """Write WRITEs together, then PULSEs and W1Cs one by one. All are checked first."""
     if len(names) != len(values) or not names:
         raise ValueRangeError(f"{len(names)} names and {len(values)} values; nothing was written")
     writes: dict[str, Any] = {}
@@ -60,7 +60,7 @@ def _named(tree: Node, name: str) -> Value[Any]:
 
 
 def _number(value: Value[Any], given: float) -> Any:
-    """A service carries float64 only. Whole numbers of the spec must be whole here too."""
+    """A service carries only float64. Whole numbers of the spec must be whole here too."""
     real = value.quantity.scaled or value.quantity.type.kind == "float"
     if real:
         return given

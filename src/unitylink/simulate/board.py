@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A virtual board: the twin of the classic gateware, served on an endpoint while its clock follows the real
-one."""
+"""A virtual board: the twin of the classic gateware, served on an endpoint.
+
+Its clock follows the real one.
+"""
 
 from __future__ import annotations
 
@@ -45,24 +47,24 @@ class BoardStatistics:
 
 
 class Board:
-    """A virtual board, alive from construction to `close()`. It is a context manager.
+    """A virtual board. It runs from its constructor to `close()`. It is a context manager.
 
         with Board(spec, endpoint="tcp") as board, Link(board.url) as link:
             link.read(0x88)
 
-    `endpoint` is one of these. "fd" is a descriptor for a link in this process, which takes it over. Once
-    that link has closed, `url` names a new one. "pty" or "pty:PATH" is a serial port in software.
+    `endpoint` is one of these: "fd" is a descriptor for a link in this process, and the link then owns it.
+    Once that link has closed, `url` names a new one. "pty" or "pty:PATH" is a serial port in software.
     "tcp[:PORT]" and "udp[:PORT]" are at the local address `bind`.
 
-    There is one client at a time. Another one gets "?busy". When a client leaves, the board is free, and all
-    settings stay: publishing goes on, as on a real board. A UDP client that vanished without a goodbye is
-    noticed only when its system says that its port is closed. If a client does not read, the board's transmit
-    FIFO fills and the board waits.
+    There is one client at a time. A second one gets "?busy". When a client leaves, the board is free, and all
+    settings stay. Publishing goes on, as on a real board. A UDP client may vanish without a message. This is
+    noticed only when its system reports that its port is closed. If a client does not read, the board's
+    transmit FIFO fills and the board waits.
 
     Without a plant, a board with a spec gets `RampPlant`.
 
-    Raises ValueRangeError (configuration), LinkNotFound (the endpoint cannot be made), UnityLinkError (the
-    plant).
+    Raises ValueRangeError (for the configuration), LinkNotFound (the endpoint cannot be made) or
+    UnityLinkError (for the plant).
     """
 
     def __init__(
@@ -96,7 +98,7 @@ class Board:
         return _native.Board(self.configuration, endpoint, bind)
 
     def _power_up(self, spec: Spec) -> None:
-        """Start plain words with the initial values of the spec, as registers in gateware do."""
+        """Give plain words the initial values of the spec, as registers in gateware do."""
         for path, element in spec.walk():
             if element.initial is not None and element.link.kind == "memory":
                 codec = Codec(path, Quantity.of(element), self.configuration.data_bits)
@@ -147,7 +149,10 @@ class Board:
 
     @property
     def error(self) -> UnityLinkError | None:
-        """The exception that ended the plant, or why the device itself stands still. None otherwise."""
+        """The exception that ended the plant, or the reason why the device itself stands still.
+
+        None otherwise.
+        """
         if self._plant_error is None and (failure := self._native.failure()):
             return UnityLinkError(f"the gateware has stopped: assertion at {failure} failed")
         return self._plant_error
@@ -166,8 +171,10 @@ class Board:
         return BoardStatistics(**self._native.statistics())
 
     def event(self, group: int | str, high: bool | None = None) -> None:
-        """Set the event input of a publish group, or pulse it once (`high` None). It counts if WIC enabled
-        it."""
+        """Set the event input of a publish group. If `high` is None, pulse it once.
+
+        It has an effect if WIC enabled it.
+        """
         if isinstance(group, str):
             group = self._line(group)
         if not 0 <= group < self.configuration.groups:
@@ -192,8 +199,7 @@ class Board:
         self._native.receive_error(bits & 7)
 
     def set_online(self, online: bool) -> None:
-        """Break the TosNet network, or mend it. While it is broken nothing is exchanged, and commits stay
-        pending."""
+        """Break the TosNet network, or mend it. Meanwhile nothing is exchanged, and commits stay pending."""
         self._native.set_online(online)
 
     def damage_cycle(self) -> None:
@@ -202,9 +208,11 @@ class Board:
         self._native.damage_cycle()
 
     def hang_up(self) -> None:
-        """Break the line to the client, as a pulled cable does. The board goes on, and takes the next client.
+        """Break the line to the client, as when a cable is pulled.
 
-        A pseudo-terminal has no cable. There close the board, and make another at the same path.
+        The board runs on, and takes the next client.
+
+        A pseudo-terminal has no cable. For one, close the board and make another at the same path.
         """
         self._native.hang_up()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The items of a spec from the side of the FPGA, by name and in their units."""
+"""The items of a spec from the FPGA's side, by name and in their units."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .registers import Registers
 class BoardValues:
     """The values that a plant reads and sets: `values["x.position"]` is in the unit of the spec.
 
-    A value beyond the limits of an item becomes its limit, as with a sensor. Raises UnityLinkError for a name
-    that the spec does not have, ValueRangeError for a wrong value.
+    A value beyond the limits of an item is set to the limit, as with a sensor. Raises UnityLinkError for a
+    name that the spec does not have, and ValueRangeError for a wrong value.
 
         values = BoardValues(spec, registers)           # in attach() of a plant
         values["x.position"] = 0.5 * values["x.target"]  # both in rad, as the spec says

@@ -14,7 +14,7 @@ from .registers import Registers
 class ChangeWatch:
     """Pulses the event line of a group when one of its words has changed since the last look.
 
-    A board looks after every step of its plant, so changes within one step count as one.
+    A board looks after every step of its plant, so several changes within one step count as one.
     """
 
     def __init__(self, spec: Spec, registers: Registers, pulse: Callable[[int], None]) -> None:
@@ -41,5 +41,5 @@ class ChangeWatch:
     def _word(self, address: int) -> int | None:
         try:
             return self._registers[address]
-        except ValueRangeError:  # not visible from the board's side
+        except ValueRangeError:  # the board's side cannot see this word
             return None

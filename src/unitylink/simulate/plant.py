@@ -21,7 +21,7 @@ from .registers import Registers
 
 
 class Plant(Protocol):
-    """Something that moves. The board's thread steps it every `period_s` of device time.
+    """Something that moves behind registers. The board's thread steps it every `period_s` of device time.
 
     An exception in `step` ends the plant, not the board. It is logged and kept in `board.error`.
     """
@@ -46,7 +46,7 @@ DEFAULT_PLANT = "ramp"
 
 
 def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
-    """Return the plant called `name` (ramp, loopback, scara), or the one in the file `name`.
+    """Return the plant called `name` (ramp, loopback, scara), or the plant in the file `name`.
 
     The file is a recording, or Python with a class `Plant` that takes no arguments or a function
     `make_plant(spec)`. Raises UnityLinkError with the file's name and the reason.
@@ -67,7 +67,7 @@ def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
         content = runpy.run_path(str(path), run_name=path.stem)
         if "make_plant" in content:
             plant = content["make_plant"](spec)
-        elif content.get("Plant", Plant) is not Plant:  # the protocol, imported, is not a plant yet
+        elif content.get("Plant", Plant) is not Plant:  # the imported protocol `Plant` is not a plant itself
             plant = content["Plant"]()
         else:
             raise UnityLinkError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The registers of a virtual board, from the side of the FPGA."""
+"""The registers of a virtual board, from the FPGA's side."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from unitylink.errors import ValueRangeError
 class Registers:
     """The registers as the logic in the FPGA sees them: `registers[address]` is a raw unsigned word.
 
-    In plain memory both sides see the same word. On TosNet, nodes read IN words as last committed, and set
-    their OUT words. Behind a FIFO, setting its data register queues a word for the PC, and getting it takes
-    one of the PC's. Negative values are stored as two's complement. Calls may come from any thread. Raises
+    In plain memory both sides see the same word. On TosNet, nodes read the IN words of the last commit, and
+    set their OUT words. Behind a FIFO, setting its data register queues a word for the PC. Getting it takes a
+    word from the PC. Negative values are stored as two's complement. Calls may come from any thread. Raises
     ValueRangeError.
 
         registers[0x88] = -1200          # an encoder count
@@ -47,17 +47,22 @@ class Registers:
             )
 
     def signed(self, address: int) -> int:
-        """Return the word at `address` as two's complement."""
+        """Return the word at `address` as a number in two's complement."""
         value = self[address]
         return value - (1 << self._data_bits) if value >> (self._data_bits - 1) else value
 
     def event(self, group: int) -> None:
-        """Pulse the event input of a publish group. Its words go to the PC, if the PC has asked for that."""
+        """Pulse the event input of a publish group.
+
+        Its words go to the PC if the PC has subscribed to them.
+        """
         self._native.pulse_event(group)
 
     def async_receive(self) -> list[tuple[int, bytes]]:
-        """Take what the PC sent through TosNet's asynchronous channel: (node, 1 to 4 bytes) each, oldest
-        first."""
+        """Take what the PC sent through TosNet's asynchronous channel, oldest first.
+
+        Each entry is (node, 1 to 4 bytes).
+        """
         taken = []
         while (word := self._native.async_take()) is not None:
             node, data, count = word
@@ -65,7 +70,7 @@ class Registers:
         return taken
 
     def async_send(self, node: int, data: bytes) -> None:
-        """Let `node` send 1 to 4 bytes to the PC. Raise ValueRangeError when its queue is full."""
+        """Let `node` send 1 to 4 bytes to the PC. Raises ValueRangeError if its queue is full."""
         if not 1 <= len(data) <= 4 or not 1 <= node <= 15:
             raise ValueRangeError(
                 f"asynchronous word of {len(data)} bytes from node {node}; 1 to 4 bytes, nodes 1 to 15"

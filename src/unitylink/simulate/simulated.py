@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`sim:` and `rtl:` URLs: a virtual board made on the spot."""
+"""`sim:` and `rtl:` URLs: a virtual board that is made when the link is opened."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
 _TIMEOUT_S = "1"  # a board in this process is silent only if the machine is too busy to run it
 _OPTIONS = {setting.option: setting for setting in SETTINGS.values() if setting.option}
-_ASKED_FOR = ("spi", "rs485")  # physical layers that never speak by themselves
+_ASKED_FOR = ("spi", "rs485")  # physical layers that never send by themselves
 
 
 def simulated_board(url: str) -> tuple[Board, str]:
-    """Make the board of `sim:SPEC.ul?plant=NAME&…` and return it with the URL for a link to it.
+    """Make the board of `sim:SPEC.ul?plant=NAME&…`. Return it with the URL for a link to it.
 
-    `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
+    With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl).
 
-    Options of the board are `root=NAME` (chooses the public constructor or link, if there are several),
+    The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
-    others are the link's (`timeout=` is 1 here). With `reconnect=1` the board is reached over TCP on this
-    computer, and `link.board.hang_up()` breaks that line, for tests. Close the board after the link.
+    others are the link's. Its `timeout=` is 1 here. With `reconnect=1`, the board is reached over TCP on this
+    computer. For tests, `link.board.hang_up()` breaks this line. Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
     """
@@ -72,8 +72,10 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
 
 def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
-    """Take the settings of the board out of `options`. The link also gets those that a device tells by
-    itself."""
+    """Take the settings of the board out of `options`.
+
+    The link also gets the settings that a device tells by itself.
+    """
     settings: dict[str, int | str] = {}
     for option in set(options) & set(_OPTIONS):
         setting = _OPTIONS[option]
@@ -94,7 +96,7 @@ def _gateware(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpo
     from .rtl import (
         RtlBoard,
         rtl_configuration,
-    )  # here: it loads the generator and the compilers
+    )  # imported here, because it loads the generator and the compilers
 
     configuration = rtl_configuration(spec, **settings)
     return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)

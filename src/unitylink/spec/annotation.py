@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Free notes in a spec, `@ros(type="JointState")`, which reach every generator."""
+"""Free notes in a spec, such as `@ros(type="JointState")`. Every generator gets them."""
 
 from __future__ import annotations
 

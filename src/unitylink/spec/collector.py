@@ -12,7 +12,7 @@ from contextlib import contextmanager
 def collector_paused() -> Iterator[None]:
     """Pause the search for cycles while many lasting objects are made. It takes a third of a compilation.
 
-    Objects without cycles are freed as ever. The collector runs again afterwards, if it did before.
+    Objects without cycles are still freed at once. The collector runs again afterwards, if it did before.
     """
     if not gc.isenabled():
         yield

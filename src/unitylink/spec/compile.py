@@ -49,10 +49,10 @@ def compile_text(
     include: Sequence[str | os.PathLike[str]] = (),
     opened: Mapping[str, str] = MappingProxyType({}),
 ) -> Result:
-    """Compile a spec. No text makes it raise.
+    """Compile a spec. No text makes it raise an exception.
 
-    Imports are looked for in the folder of `file`, then in `include`, then in the folders of the environment
-    variable UNITYLINK_PATH. `opened` are texts of files that an editor has changed, by real path.
+    Imports are searched in the folder of `file`, then in `include`, then in the folders of the environment
+    variable UNITYLINK_PATH. `opened` has the texts of files that an editor has changed, by real path.
 
     >>> compile_text("public led() { @on = 0x10: WRITE(); }").spec.root().elements[0].address
     16
@@ -106,13 +106,13 @@ def search_path() -> list[str]:
 
 
 def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Result:
-    """Compile a file. One that cannot be read or is not UTF-8 gives a diagnostic."""
+    """Compile a file. A file that cannot be read or is not UTF-8 gives a diagnostic."""
     try:
         with Path(path).open("rb") as file:
             data = file.read(
                 MAX_BYTES + 1
-            )  # no more, so that a device or an endless pipe does not fill the memory
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+            )  # a limit, so that a device or an endless pipe does not fill the memory
+    except (OSError, ValueError) as error:  # a null character in the path raises ValueError
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return _one(
             Source(os.fspath(path), ""),
@@ -124,7 +124,7 @@ def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLi
 
 
 def load(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Spec:
-    """Return the spec of a file. Raise `SpecError` with the rendered report if it has errors."""
+    """Return the spec of a file. Raises `SpecError` with the rendered report if it has errors."""
     result = compile_file(path, include)
     if result.spec is None:
         raise SpecError(render(result.diagnostics), result.diagnostics)

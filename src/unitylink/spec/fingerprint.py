@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The spec hash: whether a generated file, a PC program and gateware were made from the same interface."""
+"""The spec hash.
+
+It tells whether a generated file, a PC program and gateware were made from the same interface.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,14 @@ from .model import Element, Group, Instance, Link
 from .types import ValueType
 
 _FORMAT = "unity-link spec 1"  # changes whenever the lines below change their form
-_PLAIN = ("", 1, 0, None, None, "error", None, None)  # what an element without new properties has
+_PLAIN = ("", 1, 0, None, None, "error", None, None)  # the facts of an element without new properties
 
 
 def fingerprint(roots: tuple[Instance, ...], links: tuple[Link, ...] = ()) -> str:
-    """Return 16 hex digits over the interface and what reaches the wire, in source order.
+    """Return 16 hex digits over the interface and everything that reaches the wire, in source order.
 
-    That is: constructor, instance, element and group names, addresses, access, types with their fields and
-    values, units, scaling, limits, initial and safe values, CRC, publish, declared links, components and
+    This covers constructor, instance, element and group names, addresses, access, types with their fields and
+    values, units, scaling, limits, initial and SAFE values, CRC, publish, declared links, components and
     run-time parameters. Comments, annotations, layout, display names and the spec's own name do not count.
     Additions to the published language count only if they are used. So the hash of a classic spec never
     changes.

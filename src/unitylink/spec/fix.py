@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Making the fixes that diagnostics offer, as far as each really mends something.
+"""Make the fixes that diagnostics offer, if they really mend something.
 
 >>> mended = fix_text("public a() { @x = 0x1: READ() }")
 >>> mended.text, [diagnostic.code for diagnostic in mended.made]
@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from .compile import Result, compile_text
 from .report.diagnostics import Diagnostic, Edit
 
-_ROUNDS = 20  # a fix may bring another mistake to light
-_TRIALS = 50  # diagnostics whose fixes are tried one by one, if all together did not help
+_ROUNDS = 20  # a fix may reveal another mistake
+_TRIALS = 50  # the most diagnostics whose fixes are tried one by one, if all together did not help
 _LAST_SYNTAX_CODE = "UL019"
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """A text after fixes. `made` are the mended diagnostics, `result` has the remaining ones."""
+    """A text after fixes. `made` are the mended diagnostics. `result` has the remaining ones."""
 
     text: str
     made: tuple[Diagnostic, ...]
@@ -31,7 +31,7 @@ class Fixed:
 def fix_text(text: str, file: str = "<text>") -> Fixed:
     """Return `text` with the fixes of its diagnostics made. It has fewer mistakes, or is unchanged.
 
-    Each step is compiled: fixes that do not leave fewer mistakes behind are not made.
+    Each step is compiled. Fixes that do not leave fewer mistakes are not made.
     """
     result = compile_text(text, file)
     made: list[Diagnostic] = []
@@ -49,7 +49,7 @@ def fix_text(text: str, file: str = "<text>") -> Fixed:
 
 
 def edited(text: str, edits: Iterable[Edit]) -> str:
-    """Return a text with edits, which do not overlap, made.
+    """Return a text after the edits. They do not overlap.
 
     >>> edited("a() b()", [(0, 1, "cell"), (4, 5, "^READ")])
     'cell() ^READ()'
@@ -68,7 +68,10 @@ def _try(text: str, file: str, before: Result, chosen: list[Diagnostic]) -> Fixe
 
 
 def _faults(result: Result) -> tuple[int, int, int]:
-    """How wrong a text is. Syntax counts first, because mending it may reveal mistakes of meaning."""
+    """Return a measure of how wrong a text is.
+
+    Syntax comes first, because mending it may reveal mistakes of meaning.
+    """
     syntax = sum(1 for d in result.diagnostics if d.severity == "error" and d.code <= _LAST_SYNTAX_CODE)
     return syntax, result.errors, len(result.diagnostics)
 

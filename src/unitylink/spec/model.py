@@ -4,7 +4,8 @@
 A `Spec` is a tree. Each public constructor is one root `Instance`. An instance holds, in source order,
 `Instance`s (expansions), `Element`s (words at an address) and `Group`s (aliases of elements). Two instances
 of one constructor with the same shape share `constructor`. So a generator can make one class for each
-constructor. All addresses are final: word addresses on the bus with the link binding's BASE already added.
+constructor. All addresses are absolute: they are word addresses on the bus, and the BASE of the link binding
+has been added.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ WRITES = ("WRITE", "READWRITE", "W1C", "PULSE")
 
 @dataclass(frozen=True)
 class Span:
-    """A place in a source file. Line and column count from 1, offsets from 0, in characters."""
+    """A place in a source file.
+
+    Line and column count from 1, offsets from 0. All of them count characters.
+    """
 
     file: str
     line: int
@@ -35,12 +39,13 @@ class Span:
 
 @dataclass(frozen=True)
 class Publish:
-    """How an element publishes: `mode` 1 = hardware (the gateware sends), 2 = software (the PC polls).
+    """How an element publishes: `mode` 1 means hardware (the gateware sends), 2 means software (the PC
+    polls).
 
     With `trigger` "rate", `divisor` divides the gateware's base publish frequency (base 1000 Hz, 10 -> 100
-    Hz), and `rate_hz` is the result. With "event" each rising edge of the event line `event` triggers, with
-    "change" each change of the value. Both have divisor 0. `group` names a snapshot group. With "" it is
-    shared by all of the same trigger and rate.
+    Hz), and `rate_hz` is the result. With "event", each rising edge of the event line `event` triggers it.
+    With "change", each change of the value does. Both have divisor 0. `group` names a snapshot group. With
+    "", all publishes with the same trigger and rate share it.
     """
 
     mode: int
@@ -53,11 +58,12 @@ class Publish:
 
 @dataclass(frozen=True)
 class LinkBinding:
-    """The hardware proxy of an instance and of all below it.
+    """The hardware proxy of an instance and of everything below it.
 
     `kind` is "memory" (plain memory, the default at base 0), "tosnet", "double_buffer" or "fifo". `ctrl` and
-    `comm` name the run-time parameters of the public constructor that bound it. None means the default.
-    `size` is the words of a double buffer or the depth of a FIFO. `link` is the name of the declared `Link`.
+    `comm` name the run-time parameters of the public constructor that were bound to it. None means the
+    default. `size` is the number of words of a double buffer, or the depth of a FIFO. `link` is the name of
+    the declared `Link`.
     """
 
     kind: str
@@ -69,13 +75,13 @@ class LinkBinding:
 
     @property
     def words(self) -> int:
-        """How many words from `base` on belong to the hardware itself. 0 for plain memory."""
+        """How many words from `base` on belong to the hardware itself. It is 0 for plain memory."""
         if self.kind == "double_buffer":
-            return self.size + 1  # the last is the commit
+            return self.size + 1  # the last word is the commit
         return {"tosnet": 1 << TOSNET_ADDRESS_BITS, "fifo": 3}.get(self.kind, 0)
 
     def event_at(self, path: str) -> str:
-        """Return the event that the hardware at `path` has by itself, or ""."""
+        """Return the event that the hardware at `path` itself has, or ""."""
         return f"{path}.arrival".lstrip(".") if self.kind == "fifo" else ""
 
 
@@ -87,12 +93,12 @@ class Element:
     are engineering values. A value of several `words` has its low word at `address`.
     """
 
-    name: str  # "pos"; "duty[2]" in an array
-    path: str  # dotted, without the root: "j1.cpos", "j[2].pos"
+    name: str  # "pos", or "duty[2]" in an array
+    path: str  # with dots, without the root: "j1.cpos", "j[2].pos"
     address: int
     access: str  # READ, WRITE, READWRITE, W1C (write 1 to clear), PULSE (write-only strobe), READCLEAR
     type: ValueType
-    display: str  # ID as evaluated ("joint 1:cpos"), or the path without an ID
+    display: str  # ID after evaluation ("joint 1:cpos"), or the path if there is no ID
     checked: bool  # CRC
     publish: Publish | None
     link: LinkBinding
@@ -104,11 +110,11 @@ class Element:
     offset: Number = 0
     minimum: Number | None = None
     maximum: Number | None = None
-    overflow: str = "error"  # or "saturate": the effect of a write beyond the limits
+    overflow: str = "error"  # "error" or "saturate": the effect of a write beyond the limits
     initial: Number | None = None
     safe: Number | None = None  # its value after the link is lost
     annotations: tuple[Annotation, ...] = ()
-    array: str = ""  # the array's name, where it is one of an array
+    array: str = ""  # the array's name if it belongs to an array
     index: int | None = None
 
     @property
@@ -126,18 +132,18 @@ class Element:
 
     @property
     def pollable(self) -> bool:
-        """Whether it may be read unasked. It may not if reading changes something."""
+        """Whether it may be read without being named. It may not if a read changes something."""
         return self.readable and self.access != "READCLEAR"
 
     @property
     def addresses(self) -> tuple[int, ...]:
-        """The addresses of its words, low word first."""
+        """The addresses of its words, with the low word first."""
         return tuple(range(self.address, self.address + self.words))
 
 
 @dataclass(frozen=True)
 class Group:
-    """An alias for a list of elements: one write, one snapshot, one callback."""
+    """Another name for a list of elements: one write, one snapshot, one callback."""
 
     name: str
     path: str
@@ -151,7 +157,7 @@ class Group:
 class Component:
     """The entity of the gateware library for an instance. It is at `base` and takes `words`.
 
-    `generics` are the values that the spec gives. `pins` and `events` are its ports outside the bus: (port,
+    `generics` are the values that the spec gives. `pins` and `events` are its ports beside the bus: (port,
     "in" | "out", bits; 0 for a single signal).
     """
 
@@ -170,15 +176,16 @@ class Instance:
     name: str
     path: str
     constructor: str
-    display: str  # value of the first string argument, else the path
+    display: str  # value of the first string argument, or else the path
     link: LinkBinding
     members: tuple[Member, ...]
-    parameters: tuple[str, ...]  # run-time (CTRL/COMM) parameters; only on roots
+    parameters: tuple[str, ...]  # run-time parameters (CTRL or COMM), only on roots
     span: Span
     documentation: str = ""
     annotations: tuple[Annotation, ...] = ()
     component: Component | None = None
-    array: str = ""  # the array's name, where it is one of an array: `name` is "j[2]", `array` "j", `index` 2
+    # the array's name if it belongs to an array: then `name` is "j[2]", `array` "j", `index` 2
+    array: str = ""
     index: int | None = None
 
     @property
@@ -202,7 +209,10 @@ class Instance:
                 yield from member.walk()
 
     def only(self, wanted: Callable[[Element], bool]) -> Instance | None:
-        """Return the instance with only the `wanted` elements and their parents, or None without any."""
+        """Return the instance with only the `wanted` elements and their parents.
+
+        Return None if there are none.
+        """
         members: list[Member] = []
         for member in self.members:
             part: Member | None
@@ -222,26 +232,26 @@ Member = Union[Instance, Element, Group]
 
 
 PHYSICAL_LAYERS = SETTINGS["physical"].choices  # gateware/physical
-LINES = ("uart", "rs485")  # those that have a baud rate
-SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # as in physical_pkg, of an FT245
+LINES = ("uart", "rs485")  # the layers that have a baud rate
+SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # for an FT245, as in physical_pkg
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link as declared: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000, PHYSICAL=uart);`.
+    """A declared link: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000, PHYSICAL=uart);`.
 
-    `physical` is one of PHYSICAL_LAYERS. `send_immediate` is for the FT245 ones, `node` for rs485. `stated`
-    are the properties that the spec gives. The others are defaults, or None.
+    `physical` is one of PHYSICAL_LAYERS. `send_immediate` is for the FT245 layers, `node` for rs485. `stated`
+    names the properties that the spec gives. The others are defaults, or None.
     """
 
     name: str
     data_bits: int = DATA_BITS_MAX
-    address_bits: int | None = None  # else as wide as the highest address needs
+    address_bits: int | None = None  # None means: as wide as the highest address needs
     base_hz: int = BASE_HZ_DEFAULT  # the base publish frequency
     baud_hz: int | None = None
     stated: tuple[str, ...] = ()
     documentation: str = ""
-    physical: str | None = None  # else whatever the board has, or a UART
+    physical: str | None = None  # None means: whatever the board has, or a UART
     send_immediate: str | None = None
     node: int | None = None
 
@@ -253,7 +263,7 @@ class SubscriptionGroup:
     `number` is that of the gateware's group and of its event line."""
 
     number: int
-    name: str  # as the spec calls it, or "100 Hz", "on limit", "on change"
+    name: str  # the name in the spec, or "100 Hz", "on limit", "on change"
     trigger: str  # "rate", "event" or "change"
     divisor: int
     rate_hz: float | None
@@ -262,13 +272,13 @@ class SubscriptionGroup:
 
     @property
     def addresses(self) -> tuple[int, ...]:
-        """Every word of the group in the order of a publish."""
+        """Every word of the group, in the order of a publish."""
         return tuple(address for element in self.elements for address in element.addresses)
 
 
 @dataclass(frozen=True)
 class Device:
-    """One address space with its own gateware, which one public constructor reaches through one COMM."""
+    """One address space with its own gateware. One public constructor reaches it through one COMM."""
 
     root: str
     comm: str | None
@@ -280,9 +290,9 @@ class Device:
 class Spec:
     """A compiled UL-spec.
 
-    `hash` is 16 hex digits over the interface and what reaches the wire (names, addresses, access, types,
-    scaling, CRC, publish, links, groups). It does not depend on comments, layout or display names. `source`
-    is the file's name without folders.
+    `hash` is 16 hex digits over the interface and everything that reaches the wire (names, addresses, access,
+    types, scaling, CRC, publish, links, groups). It does not depend on comments, layout or display names.
+    `source` is the file's name without folders.
     """
 
     name: str
@@ -292,11 +302,11 @@ class Spec:
     roots: tuple[Instance, ...]
     enums: tuple[EnumType, ...] = ()
     bits: tuple[ValueType, ...] = ()
-    links: tuple[Link, ...] = ()  # as declared; a spec without any has one of the spec's name
+    links: tuple[Link, ...] = ()  # as declared; a spec without links has one with the spec's name
     devices: tuple[Device, ...] = ()
 
     def root(self, name: str | None = None) -> Instance:
-        """Return the public constructor `name`, or the only one. KeyError names the choices."""
+        """Return the public constructor `name`, or the only one. Raises KeyError, which names the choices."""
         for root in self.roots:
             if root.name == name or (name is None and len(self.roots) == 1):
                 return root
@@ -305,18 +315,18 @@ class Spec:
 
     @property
     def boards(self) -> tuple[Spec, ...]:
-        """The part of the spec for each board. Behind each link is one board, with gateware of its own.
+        """The part of the spec for each board. Behind each link there is one board, with gateware of its own.
 
-        If all devices have one link, that is the spec itself. A part has the name of its public constructor.
-        If it is more or less than one constructor, it has the name of its link.
+        If all devices have the same link, the only part is the spec itself. A part has the name of its public
+        constructor. If it is not exactly one constructor, it has the name of its link.
         """
         links = dict.fromkeys(device.link.name for device in self.devices)
         return tuple(self._behind(link) for link in links) if len(links) > 1 else (self,)
 
     def only(self, name: str) -> Spec:
-        """Return the part of the spec for one public constructor, or behind the link of that name.
+        """Return the part of the spec for one public constructor, or the part behind the link of that name.
 
-        Raises KeyError naming the choices.
+        Raises KeyError, which names the choices.
         """
         if any(root.name == name for root in self.roots):
             devices = tuple(device for device in self.devices if device.root == name)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The texts of a spec's files: decoding, and where in them an offset lies.
+"""The texts of a spec's files: their decoding, and the place of an offset in them.
 
-All files of one compilation share one space of offsets. Each begins where the one before ends. So a
-single number says where something stands, whichever file that is.
+All files of one compilation share one space of offsets. Each file begins where the one before it ends. So a
+single number gives a place, in whichever file that is.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from pathlib import PurePath
 
 from .model import Span
 
-MAX_BYTES = 1024 * 1024  # bounds time and memory of a compilation: 10,000 statements of 100 characters
+MAX_BYTES = 1024 * 1024  # limits time and memory of a compilation: 10,000 statements of 100 characters
 
 _LINE_END = re.compile(r"\r\n?|\n")
-_EXCERPT_BEFORE = 70  # characters of a long line kept before and after a caret
+_EXCERPT_BEFORE = 70  # characters of a long line that are kept before and after a caret
 _EXCERPT_AFTER = 90
 
 
@@ -35,22 +35,25 @@ class Source:
 
     @property
     def stem(self) -> str:
-        """The file's name without folders and suffix, made into a name: `my-robot.ul` gives `my_robot`."""
+        """The file's name without folders and suffix, as a valid name: `my-robot.ul` gives `my_robot`."""
         stem = re.sub(r"[^A-Za-z_0-9]", "_", PurePath(self.file).stem).strip("_") or "spec"
         return f"_{stem}" if stem[0].isdigit() else stem
 
     def line_of(self, offset: int) -> int:
-        """Return the line `offset` lies in."""
+        """Return the line that contains `offset`."""
         return bisect_right(self._starts, offset - self.base)
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of the characters from `start` up to `end`. It counts from the file's 0."""
+        """Return the span of the characters from `start` to before `end`.
+
+        It counts from the beginning of the file.
+        """
         start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         return Span(self.file, line, start - self._starts[line - 1] + 1, start, end)
 
     def excerpt(self, start: int, end: int) -> tuple[str, int, int]:
-        """Return (the line around `start`, fit for a terminal; the caret's offset in it; its length)."""
+        """Return (the line around `start` in a form for terminals, the caret's offset in it, its length)."""
         start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         first = self._starts[line - 1]
@@ -58,7 +61,8 @@ class Source:
         left = max(first, start - _EXCERPT_BEFORE)
         right = min(last, start + _EXCERPT_AFTER)
         shown = self.text[left:right].rstrip("\r\n")
-        # A control character or an escape sequence out of a file must not reach a terminal; widths must stay.
+        # A control character or an escape sequence of a file must not reach a terminal. The widths must not
+        # change.
         shown = "".join(c if c.isprintable() else " " if c == "\t" else "\ufffd" for c in shown)
         caret = start - left
         return shown, caret, max(1, min(end - start, len(shown) - caret))
@@ -80,7 +84,7 @@ class Sources:
         return len(self._all)
 
     def add(self, file: str, text: str, *, library: bool = False) -> Source:
-        """Add a file after the last one. Those of the library come last."""
+        """Add a file after the last one. Files of the library come last."""
         last = self._all[-1]
         source = Source(file, text, last.base + len(last.text) + 1)
         if library and self._library is None:
@@ -90,30 +94,30 @@ class Sources:
         return source
 
     def at(self, offset: int) -> Source:
-        """Return the file an offset lies in."""
+        """Return the file that contains an offset."""
         return self._all[bisect_right(self._bases, offset) - 1]
 
     def text(self, start: int, end: int) -> str:
-        """Return what stands there."""
+        """Return the text between two offsets."""
         source = self.at(start)
         return source.text[start - source.base : end - source.base]
 
     def in_library(self, offset: int) -> bool:
-        """Does an offset lie in a file of the component library?"""
+        """Is an offset in a file of the component library?"""
         return self._library is not None and offset >= self._library
 
     def offset(self, span: Span) -> int:
-        """Return where a span starts, among all files."""
+        """Return the start of a span as an offset among all files."""
         if span.file == self.first.file:
             return span.start
         return next(one.base for one in self._all if one.file == span.file) + span.start
 
     def line_of(self, offset: int) -> int:
-        """Return the line `offset` lies in, in its file."""
+        """Return the line that contains `offset`, in its file."""
         return self.at(offset).line_of(offset)
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of the characters from `start` up to, without, `end`."""
+        """Return the span of the characters from `start` to before `end`."""
         return self.at(start).span(start, end)
 
     def excerpt(self, start: int, end: int) -> tuple[str, int, int]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The types of values, and how they are stored in words, for generators and the codec."""
+"""The types of values, and how they are stored in words. Generators and the codec use them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Union
 
 from .annotation import Annotation
 
-Number = Union[int, float]  # whole numbers stay whole: a float has 53 bits, a value up to 64
+Number = Union[int, float]  # whole numbers stay whole, because a float has 53 bits and a value up to 64
 
 # Kinds whose raw value is two's complement.
 _SIGNED = ("int", "fixed")
@@ -25,7 +25,7 @@ class EnumValue:
 
 @dataclass(frozen=True)
 class EnumType:
-    """`enum NAME : u2 { idle = 0; run = 1 }`. An `open` one accepts other numbers, as numbers."""
+    """`enum NAME : u2 { idle = 0; run = 1 }`. An `open` enumeration accepts other numbers, as numbers."""
 
     name: str
     width: int
@@ -40,7 +40,8 @@ class ValueType:
     """How a value is stored in its bits.
 
     `kind` is "bool", "uint", "int", "float" (IEEE 754, 32 or 64 bits), "fixed", "ufixed" (`fraction` of the
-    `width` bits are behind the point), "enum" (see `enum`) or "bits" (packed `fields`, called `name`).
+    `width` bits are after the point), "enum" (see `enum`) or "bits" (packed `fields`, with `name` as its
+    name).
 
     >>> ValueType("fixed", 16, 8).text
     'fixed(8,8)'
@@ -51,7 +52,7 @@ class ValueType:
     fraction: int = 0
     enum: EnumType | None = None
     fields: tuple[Field, ...] = ()
-    name: str = ""  # of an enumeration or of packed bits
+    name: str = ""  # name of an enumeration or of packed bits
     documentation: str = ""
     annotations: tuple[Annotation, ...] = ()
     bus: bool = False  # as wide as the data bus of the device, whatever `width` the link has declared
@@ -68,7 +69,7 @@ class ValueType:
 
     @property
     def text(self) -> str:
-        """The type as a spec writes it."""
+        """The type as it is written in a spec."""
         if self.name:
             return self.name
         if self.bus:

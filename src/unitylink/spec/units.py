@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The units of a spec, the quantities that they measure, and conversion between them.
 
-A unit is a name of the table, or names put together: `rad/s`, `N m`, `m/s^2`, `1/min`.
+A unit is a name of the table, or a combination of names: `rad/s`, `N m`, `m/s^2`, `1/min`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _MAX_POWER = 9
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit: a value in it, times `factor` plus `offset`, is the value in the SI's own units."""
+    """One unit. A value in it, times `factor` plus `offset`, is the value in SI units."""
 
     text: str
     dimension: Dimension
@@ -49,7 +49,7 @@ class Unit:
     offset: Fraction = Fraction(0)
 
     def to(self, value: Fraction, other: Unit) -> Fraction:
-        """Return a value of this unit in another one, which must measure the same."""
+        """Return a value of this unit in another unit. Both must measure the same quantity."""
         return (value * self.factor + self.offset - other.offset) / other.factor
 
 
@@ -109,9 +109,10 @@ def _table() -> dict[str, Unit]:
 
 
 UNITS = _table()
-UNITS_FOLDED = {name.lower(): name for name in reversed(UNITS)}  # `hz` is `Hz`, the first of its kind
+# `hz` gives `Hz`, the first one of this spelling
+UNITS_FOLDED = {name.lower(): name for name in reversed(UNITS)}
 
-# Other names of units. Their plural, and milli, kilo and so on before them, are accepted too.
+# Other names of units. Their plurals are accepted too, and so are milli, kilo and so on before them.
 _SPOKEN = {
     "radian": "rad",
     "degree": "deg",
@@ -159,7 +160,7 @@ _STEP = re.compile(r"\s*([/*·]?)\s*(1|[A-Za-zµ°%][A-Za-z0°]*)(?:\^(-?[0-9])|
 
 @lru_cache(1000)
 def unit(text: str) -> Unit | None:
-    """Return a unit by its text, or None if there is none of that name.
+    """Return a unit by its text, or None if there is none of this name.
 
     >>> unit("rad/s").dimension == unit("rpm").dimension
     True

@@ -12,10 +12,10 @@ from unitylink.spec.types import EnumType, ValueType
 
 from .names import python_names
 
-# Names that members and fields cannot have, because the classes have them already.
+# Names that members and fields cannot have, because the classes already have them.
 ENUM_RESERVED = frozenset({*dir(IntEnum), *dir(int), "name", "value", "mro"})
-_OF_NUMBERS = frozenset("bcdoxXneEfFgG%")  # the last letters of formats for numbers only
-RECORD_RESERVED = frozenset({*dir(object), "bool", "float", "int"})  # and what annotations are made of
+_OF_NUMBERS = frozenset("bcdoxXneEfFgG%")  # the last letters of formats that are only for numbers
+RECORD_RESERVED = frozenset({*dir(object), "bool", "float", "int"})  # also the names that annotations use
 
 
 def member_names(enum: EnumType) -> dict[str, str]:
@@ -29,7 +29,7 @@ def field_names(bits: ValueType) -> dict[str, str]:
 
 
 class Enumeration(IntEnum):
-    """The base of enumerations. Members are numbers, and are printed by their names.
+    """The base of enumerations. Members are numbers, and are printed as their names.
 
     >>> mode = Enumeration("mode", {"idle": 0, "run": 1})
     >>> print(mode.run, f"{mode.run:>5}", f"{mode.run:d}", mode.run + 1)
@@ -45,7 +45,7 @@ class Enumeration(IntEnum):
 
 @cache
 def enum_class(enum: EnumType) -> type[IntEnum]:
-    """Return an Enumeration with the members of an enumeration. It is the same class each time.
+    """Return an Enumeration with the members of an enumeration. Equal types give the same class.
 
     >>> from unitylink.spec.types import EnumValue
     >>> enum_class(EnumType("mode", 2, (EnumValue("idle", 0), EnumValue("run", 1))))["run"]
@@ -59,7 +59,7 @@ def enum_class(enum: EnumType) -> type[IntEnum]:
 
 @cache
 def record_class(bits: ValueType) -> type[Any]:
-    """Return a frozen dataclass with the fields of a packed value. It is the same class each time."""
+    """Return a frozen dataclass with the fields of a packed value. Equal types give the same class."""
     names = field_names(bits)
     return dataclasses.make_dataclass(
         bits.name or "Bits", [(names[field.name], Any) for field in bits.fields], frozen=True

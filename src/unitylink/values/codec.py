@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From engineering values to raw numbers and words, and back: exactly, or with an error that says why."""
+"""From engineering values to raw numbers and words, and back. This is exact, or an error says why not."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ class Codec:
     """Encode and decode one value. `name` is its name in errors.
 
     `classes` gives the Python classes of enumerations and packed values by their names in the spec. Missing
-    ones are made. `commanded`: the values are set-points, which are never NaN or infinite. Values of a sensor
-    without limits may be. `integer_sign` is set if decoding is only a sign: (raw ^ sign) - sign.
+    classes are made. `commanded` means that the values are set-points. These are never NaN or infinite.
+    Values of a sensor without limits may be. `integer_sign` is set if decoding is only a sign: (raw ^ sign) -
+    sign.
 
     >>> position = Codec("pos", Quantity(ValueType("int", 16), scale=0.5, unit="mm", maximum=100.0), 32)
     >>> position.encode(-1.5), position.decode(0xFFFD)
@@ -77,7 +78,7 @@ class Codec:
         """(a, b, c) where a value is (number * a + b) / c; None where there are no such numbers."""
         plain = kind.kind in ("int", "uint") and not quantity.scaled
         self.integer_sign: int | None = self.sign if plain else None
-        self.low, self.high = -self.sign, self.mask ^ self.sign  # of the number as the type reads it
+        self.low, self.high = -self.sign, self.mask ^ self.sign  # range of the number as the type reads it
         self._encode: Callable[[Any], int]
         self._decode: Callable[[int], Any]
         {
@@ -88,16 +89,21 @@ class Codec:
         }.get(kind.kind, self._make_number)()
 
     def encode(self, value: Any) -> int:
-        """Return the raw unsigned number of a value. ValueRangeError names value, limits and unit."""
+        """Return the raw unsigned number of a value.
+
+        Raises ValueRangeError, which names value, limits and unit.
+        """
         return self._encode(value)
 
     def decode(self, raw: int) -> Any:
-        """Return the value of a raw number, ignoring bits above the type's. UnexpectedValue if it has
-        none."""
+        """Return the value of a raw number, ignoring bits above the type's.
+
+        Raises UnexpectedValue if there is none.
+        """
         return self._decode(raw & self.mask)
 
     def check_raw(self, raw: int, value: Any) -> None:
-        """Raise ValueRangeError if the type has no such raw number, or it is beyond the limits.
+        """Raise ValueRangeError if the type has no such raw number, or if it is beyond the limits.
 
         Errors show `value`.
         """
@@ -105,14 +111,14 @@ class Codec:
             known = self.decode(raw)
             if self.type.kind in ("bool", "enum", "bits"):
                 return
-            beyond = self.encode(known) != raw & self.mask  # a saturated number would be another one
+            beyond = self.encode(known) != raw & self.mask  # a saturated value would be a different number
         except UnexpectedValue as error:
             raise ValueRangeError(f"{self.name}: {_text(value)}: {error.message}; nothing was sent") from None
         if beyond:
             raise self._refused(known)
 
     def split(self, raw: int) -> tuple[int, ...]:
-        """Return the words of a raw number, the low one first.
+        """Return the words of a raw number, with the low word first.
 
         >>> Codec("t", Quantity(ValueType("uint", 48)), 16).split(0x1_0002_0003)
         (3, 2, 1)
@@ -120,7 +126,7 @@ class Codec:
         return tuple(raw >> self.data_bits * i & self.word_mask for i in range(self.words))
 
     def join(self, words: Sequence[int]) -> int:
-        """Return the raw number of its words, the low one first."""
+        """Return the raw number of its words, with the low word first."""
         raw = 0
         for word in reversed(words):
             raw = raw << self.data_bits | int(word)
@@ -128,7 +134,7 @@ class Codec:
 
     @property
     def minimum(self) -> Any:
-        """The smallest value that can be written: the declared limit, or else the type's."""
+        """The smallest value that can be written. It is the declared limit, or else the type's."""
         return self._limit(self.low, self.high, self.quantity.minimum, min)
 
     @property
@@ -331,7 +337,7 @@ class Codec:
             number = -1 if _is_bool(value) else _index(value)
             if number >= 0 or isinstance(value, int):  # the packed number itself
                 raw = self._within(number, value)
-                for low, codec in parts.values():  # a number that a field cannot hold is not sent either
+                for low, codec in parts.values():  # a number that does not fit a field is not sent either
                     codec.check_raw(raw >> low, value)
                 return raw
             given = value
@@ -357,7 +363,7 @@ class Codec:
     # Many at once
 
     def decode_array(self, raws: NDArray[np.uint64]) -> NDArray[Any]:
-        """Return the values of many raw numbers: float64, bool, int64, uint64. Packed ones stay numbers.
+        """Return the values of many raw numbers: float64, bool, int64, uint64. Packed values stay numbers.
 
         >>> import numpy as np
         >>> half = Codec("x", Quantity(ValueType("int", 8), scale=0.5), 32)
@@ -376,7 +382,8 @@ class Codec:
         numbers: NDArray[Any] = raws
         if self.sign:
             sign = np.uint64(self.sign)
-            numbers = ((raws ^ sign) - sign).view(np.int64)  # wraps: two's complement of 64 bits
+            # wraps, because it is two's complement of 64 bits
+            numbers = ((raws ^ sign) - sign).view(np.int64)
         elif self.width < 64:
             numbers = raws.astype(np.int64)
         if not quantity.scaled:
@@ -388,10 +395,12 @@ class Codec:
 
 
 def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
-    """Return (a, b, c) so that a value is (number * a + b) / c. None if no whole numbers are small enough.
+    """Return (a, b, c) so that a value is (number * a + b) / c.
 
-    A SCALE of 0.01 means one hundredth, which is not a binary number: 1254 * 0.01 is 12.540000000000001, but
-    1254 / 100 is 12.54.
+    Return None if there are no whole numbers that are small enough.
+
+    A SCALE of 0.01 means one hundredth, which no binary number equals. So 1254 * 0.01 is 12.540000000000001,
+    but 1254 / 100 is 12.54.
     """
     scale, offset = (
         Fraction(float.__repr__(number) if isinstance(number, float) else number)
@@ -405,7 +414,10 @@ def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
 
 
 def _index(value: Any) -> int:
-    """Return a value as an integer, also one of numpy's. -1 if it is not one."""
+    """Return a value as an integer.
+
+    Integers of numpy are accepted, too. Return -1 if it is not an integer.
+    """
     try:
         return operator.index(value)
     except TypeError:
@@ -413,7 +425,7 @@ def _index(value: Any) -> int:
 
 
 def _text(value: Any) -> str:
-    """Return a value for an error. Numbers of numpy look like those of Python."""
+    """Return a value as text for an error. Numbers of numpy look like those of Python."""
     return str(value) if isinstance(value, float) else shown(value)
 
 

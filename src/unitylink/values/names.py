@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spec names as Python names, by one rule for generated classes and for objects made at run time."""
+"""Names of a spec as Python names. One rule serves generated classes and objects made at run time."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Iterable
 
 
 def python_names(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
-    """Map spec names to Python names: unchanged if that works, else with "_" at the end.
+    """Map names of a spec to Python names. A name is unchanged if that works, else it gets "_" at the end.
 
-    Leading underscores are dropped, because they mean private (and Python rewrites two of them).
+    Leading underscores are dropped, because they mean private (and Python changes names with two of them).
 
     >>> python_names(["cpos", "class", "class_", "path", "__x"], {"path"})
     {'cpos': 'cpos', 'class': 'class__', 'class_': 'class_', 'path': 'path_', '__x': 'x_'}

@@ -13,8 +13,8 @@ from unitylink.spec.types import UINT32, Number, ValueType
 class Quantity:
     """The meaning of a value: engineering value = raw number * `scale` + `offset`, in `unit`.
 
-    `minimum`, `maximum`, `initial` and `safe` are engineering values, or None. `overflow` says what happens
-    at a write beyond the limits: "error", or "saturate" (the limit is written).
+    `minimum`, `maximum`, `initial` and `safe` are engineering values, or None. `overflow` says what a write
+    beyond the limits does: "error", or "saturate" (the limit is written).
 
     >>> Quantity(ValueType("int", 16), scale=0.001, unit="rad").text(1.5)
     '1.5 rad'
@@ -59,7 +59,7 @@ class Quantity:
 
 
 def format_value(value: Any) -> str:
-    """Return a value for people: floats with the digits that count, members and records by name.
+    """Return a value as text for people: floats with the digits that matter, members and records by name.
 
     >>> format_value(0.1 + 0.2), format_value(-12), format_value(True)
     ('0.3', '-12', 'true')

@@ -65,7 +65,7 @@ def test_a_captured_read(capfd: pytest.CaptureFixture[str]) -> None:
     shows(framed, said(capfd, decode))
     Path("scara.pcapng").unlink()  # an existing file would not be overwritten
     said(capfd, read.replace("trace=", "protocol=classic&trace="))
-    shows(classic, said(capfd, decode)[2:])  # the page shows the lines after its code block
+    shows(classic, said(capfd, decode)[2:])  # the page leaves out the first two lines, the fence
 
 
 EXAMPLES = [("budget.md", 0), ("rtl-simulation.md", 1), ("gateware/isochrony.md", 0), ("model-json.md", 0)]

@@ -43,7 +43,10 @@ _KINDS = {
 
 
 def completion(document: Document, offset: int) -> list[types.CompletionItem]:
-    """Return the words that are possible at `offset`. The client filters by what is typed already."""
+    """Return the words that are possible at `offset`.
+
+    The client filters them by what the user has already typed.
+    """
     tokens = tokenize(Reporter(Source(document.file, document.text[:offset])))
     count = tokens.kinds.index("end")
     if any(
@@ -97,7 +100,7 @@ class _Place:
             return self._below(scope)
         if len(words) > 1 and words[1] == "=" and last in ("=", ","):
             return _symbols(s for s in scope.members.values() if s.kind != "address") + _keywords(("ALL",))
-        if words[0] == "@" and ":" in words:  # behind the type
+        if words[0] == "@" and ":" in words:  # after the type
             return _keywords(ACCESS_WORDS)
         return []
 
@@ -110,7 +113,7 @@ class _Place:
         return _symbols(self.symbols.constants.values()) if last in ("=", "+", "-", "*") else []
 
     def _inside(self, opener: str, property_: str, last: str) -> list[types.CompletionItem]:
-        """The place is inside brackets that belong to `opener`, behind `property_=` if that is given."""
+        """The place is inside brackets that belong to `opener`, after `property_=` if that is given."""
         if opener == "ALL":
             return _symbols(self.symbols.constructors.values())
         properties: tuple[str, ...] = LINK_KIND_PROPERTIES.get(opener, ())
@@ -138,7 +141,7 @@ class _Place:
         return found
 
     def _opener(self) -> tuple[str, str]:
-        """Return the word before the innermost open bracket and the property whose value is being given."""
+        """Return the word before the innermost open bracket, and the property whose value comes next."""
         depth, property_ = 0, ""
         for i in range(len(self.words) - 1, 0, -1):
             word = self.words[i]

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One open text: what the server knows of it, and its offsets as a client's lines and columns."""
+"""One open text: what the server knows about it, and conversion of its offsets to the client's lines and
+columns.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ _LINE_END = re.compile(r"\r\n?|\n")
 
 
 def line_starts(text: str) -> list[int]:
-    """Return the beginnings of the lines of a text."""
+    """Return the offsets at which the lines of a text begin."""
     return [0, *(match.end() for match in _LINE_END.finditer(text))]
 
 
@@ -38,8 +40,10 @@ def _position(text: str, starts: list[int], offset: int, codec: PositionCodec) -
 
 
 class Document:
-    """One version of a text. `spec` is its model. While it has errors, it is that of the last version
-    without."""
+    """One version of a text.
+
+    `spec` is its model. While this version has errors, it is the model of the last version without errors.
+    """
 
     def __init__(
         self,
@@ -52,26 +56,26 @@ class Document:
         self.text = text
         self.file = file
         self.codec = codec
-        self.opened = opened  # what the editor has of other files, by real path
+        self.opened = opened  # the editor's texts of other files, by real path
         self.result: Result = compile_text(text, file, (), opened)
         self.spec: Spec | None = self.result.spec or (before.spec if before else None)
         self._starts = line_starts(text)
 
     @cached_property
     def symbols(self) -> Symbols:
-        """The symbols, found when first asked for: not every edit is followed by a question."""
+        """The symbols. They are found at the first request, because many edits are followed by none."""
         return find_symbols(self.text, self.file, search_path(), self.opened)
 
     def position(self, offset: int) -> types.Position:
-        """Return the client's position of a character: clients count in units of their own encoding."""
+        """Return the client's position of a character. Clients count in units of their own encoding."""
         return _position(self.text, self._starts, offset, self.codec)
 
     def range(self, start: int, end: int) -> types.Range:
-        """Return the client's range of the characters from `start` up to, without, `end`."""
+        """Return the client's range of the characters from `start` to before `end`."""
         return types.Range(self.position(start), self.position(end))
 
     def location(self, uri: str, place: Name) -> types.Location:
-        """Return where a name stands, in this document (`uri`) or in a file it imports."""
+        """Return where a name stands: in this document (`uri`) or in a file that it imports."""
         source = self.symbols.sources.at(place.start)
         if source is self.symbols.sources.first:
             return types.Location(uri, self.range(place.start, place.end))
@@ -79,7 +83,7 @@ class Document:
         return types.Location(Path(source.file).resolve().as_uri(), inside)
 
     def offset(self, position: types.Position) -> int:
-        """Return the character at a client's position. One beyond the text means its end."""
+        """Return the character at a client's position. A position beyond the text means its end."""
         if position.line >= len(self._starts):
             return len(self.text)
         start = self._starts[position.line]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Answers that change a text: rename, formatting, fixes. None of them makes a right spec wrong."""
+"""Answers that change a text: rename, formatting, fixes. None of them makes a valid spec wrong."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _NAME = re.compile(rf"[A-Za-z_][A-Za-z_0-9]{{0,{MAX_NAME - 1}}}")
 
 
 class RenameRefused(Exception):
-    """Why a name cannot be changed to another."""
+    """A name cannot be changed to another. The message says why."""
 
 
 def rename(document: Document, offset: int, new_name: str, project: Project) -> dict[str, list[Edit]]:
-    """Return the edits, by real path of the file, that give the symbol at `offset` another name everywhere.
+    """Return the edits, by real path of the file, that rename the symbol at `offset` everywhere.
 
-    Everywhere is all specs of the project: those that import the file where the name is declared, and that
-    file itself. Nothing is changed where any of them would have more errors than before.
+    Everywhere means all specs of the project that import the file with the declaration, and that file itself.
+    If one of them would have more errors than before, nothing is changed.
     """
     found = document.symbols.at(offset)
     if found is None:
@@ -61,7 +61,7 @@ def rename(document: Document, offset: int, new_name: str, project: Project) -> 
 
 
 def formatting(document: Document) -> list[types.TextEdit]:
-    """Return the edit that lays the text out. None while it has syntax errors."""
+    """Return the edit that lays the text out. Return None while it has syntax errors."""
     try:
         formatted = format_text(document.text, document.file)
     except SpecError:

@@ -11,11 +11,11 @@ from unitylink.spec.model import Publish
 
 from .document import Document
 
-_SHOWN = 8  # expansions that are listed
+_SHOWN = 8  # the most expansions that are listed
 
 
 def hover(document: Document, offset: int) -> str:
-    """Return the Markdown for the name at `offset`, "" if there is none."""
+    """Return the Markdown for the name at `offset`, or "" if there is none."""
     found = document.symbols.at(offset)
     if found is None:
         return ""
@@ -34,8 +34,7 @@ def hover(document: Document, offset: int) -> str:
 
 
 def _expansions(spec: Spec, symbol: Symbol) -> Iterator[tuple[str, Instance | Element | Group]]:
-    """Yield the symbol's objects in the model: a member is there once for each expansion of its
-    constructor."""
+    """Yield the symbol's objects in the model. A member has one for each expansion of its constructor."""
     waiting = [(root.name, root) for root in reversed(spec.roots)]
     while waiting:
         path, instance = waiting.pop()

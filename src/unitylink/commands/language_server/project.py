@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The specs of a workspace: the meaning of a name in other files than the edited one."""
+"""The specs of a workspace. They give the meaning of a name in other files than the edited one."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ from unitylink.spec.meaning.symbols import Symbols, find_symbols
 from unitylink.spec.source import MAX_BYTES
 from unitylink.spec.text.syntax import Name
 
-FILES_MOST = 1000  # of a workspace that are looked at
+FILES_MOST = 1000  # the most specs of a workspace that are read
 
-Place = tuple[str, int, int]  # real path of a file; where a name starts and ends in it
+Place = tuple[str, int, int]  # (real path of a file, start of a name in it, end of the name)
 
 
 class Project:
-    """The specs below some folders. `opened` has the texts of an editor, by real path. They take
-    precedence."""
+    """The specs below some folders.
+
+    `opened` has the editor's texts, by real path. They take precedence over the files.
+    """
 
     def __init__(self, folders: Iterable[Path], opened: Mapping[str, str]) -> None:
         self.opened = opened
@@ -56,7 +58,7 @@ class Project:
 
 
 def place_of(symbols: Symbols, name: Name) -> Place:
-    """Return where a name stands, as every spec that imports its file would say it."""
+    """Return where a name stands, in a form that is the same in every spec that imports its file."""
     source = symbols.sources.at(name.start)
     return os.path.realpath(source.file), name.start - source.base, name.end - source.base
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The requests of the protocol, each handed to the module that answers it."""
+"""The requests of the protocol. Each is given to the module that answers it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _AtPlace = Union[
 
 
 class Server(LanguageServer):
-    """The server with the documents that are open."""
+    """The server with the open documents."""
 
     def __init__(self) -> None:
         super().__init__("unitylink", __version__, types.TextDocumentSyncKind.Full)
@@ -65,7 +65,10 @@ class Server(LanguageServer):
         return {os.path.realpath(document.file): document.text for _, document in others}
 
     def project(self, document: Document) -> Project:
-        """Return the specs of the workspace. Without one, those in the folder of a document."""
+        """Return the specs of the workspace.
+
+        Without a workspace, return those in the folder of the document.
+        """
         folders = [Path(_file(uri)) for uri in self.workspace.folders]
         if not folders and self.workspace.root_path:
             folders = [Path(self.workspace.root_path)]
@@ -86,7 +89,7 @@ class Server(LanguageServer):
         )
 
     def place(self, params: _AtPlace) -> tuple[Document, int]:
-        """Return the document and the character that a request is about."""
+        """Return the document and the character to which a request refers."""
         document = self.documents[params.text_document.uri]
         return document, document.offset(params.position)
 
@@ -207,7 +210,7 @@ def _diagnostic(document: Document, uri: str, one: Diagnostic) -> types.Diagnost
 
 
 def _diagnostics_of_imports(document: Document) -> list[types.Diagnostic]:
-    """Say at the head of the document which of the files it imports have errors."""
+    """Report at the head of the document which of its imported files have errors."""
     counts = Counter(
         one.span.file
         for one in document.result.diagnostics

@@ -14,7 +14,7 @@ from unitylink.spec.text.properties import (
 )
 
 TOP = ("public", "link", "import", "const", "enum", "open enum", "bits")
-# Property -> the words of which it is one.
+# property -> the words that are its possible values
 CHOICES = {"OVERFLOW": ("error", "saturate"), "PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE}
 
 __all__ = [

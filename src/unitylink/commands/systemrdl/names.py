@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names and comments as UL-spec has them."""
+"""Names and comments in the form of UL-spec."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Names:
         self._taken: set[str] = set()
 
     def unique(self, wanted: str) -> str:
-        """Return `wanted`, shortened and numbered if need be, as it is written in a spec."""
+        """Return `wanted` as it is written in a spec, shortened and numbered if necessary."""
         base = wanted[: MAX_NAME - 8]
         name, number = base, 1
         while name in self._taken:

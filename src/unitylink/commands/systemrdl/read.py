@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading SystemRDL: systemrdl-compiler's tree, or one error with everything it had to say."""
+"""Reading SystemRDL. The result is systemrdl-compiler's tree, or one error with all its messages."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class _Collector(MessagePrinter):  # type: ignore[misc, unused-ignore]
 
 
 def read_systemrdl(path: str, top: str | None = None, include: Sequence[str] = ()) -> AddrmapNode:
-    """Return the elaborated address map `top` of a file, the last one in it if none is named.
+    """Return the elaborated address map `top` of a file, or the last one in it if `top` is None.
 
-    Raises Failure with the compiler's own messages. Files that embed Perl (`<% … %>`) are refused: reading a
-    specification runs no program.
+    Raises Failure with the compiler's own messages. Files that embed Perl (`<% … %>`) are refused, because
+    reading a specification must run no program.
     """
     _refuse_perl(Path(path))
     collector = _Collector()
@@ -42,7 +42,7 @@ def read_systemrdl(path: str, top: str | None = None, include: Sequence[str] = (
     except RDLCompileError as error:
         said = "\n".join(collector.lines).strip() or str(error)
         raise Failure(f"{path} does not compile as SystemRDL:\n{said}") from None
-    except Exception as error:  # what its parser, of which half is C++, ends in at text that is damaged
+    except Exception as error:  # its parser, half of which is C++, raises these for a damaged text
         raise Failure(f"{path} cannot be read: {error}") from None
 
 

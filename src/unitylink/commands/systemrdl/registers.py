@@ -17,12 +17,12 @@ MAX_BITS = 64
 
 @dataclass
 class Types:
-    """The types declared so far. Equal ones are declared once."""
+    """The types declared so far. Equal types are declared once."""
 
     names: Names
     declared: dict[str, str]  # the declaration without its name -> name
     texts: list[str]
-    notes: list[str]  # what could not be said in UL-spec
+    notes: list[str]  # what UL-spec could not express
 
     def declare(self, word: str, wanted: str, body: str) -> str:
         """Return the name of a type with this body, declaring it if it is new."""
@@ -72,12 +72,12 @@ def _field_type(field: FieldNode, types: Types) -> str:
         values = []
         seen: set[int] = set()
         for member in encode:
-            if int(member.value) not in seen:  # the first name of a number stays
+            if int(member.value) not in seen:  # the first name of a number is kept
                 text = documentation(member, "   ", member.rdl_desc)
                 values.append(f"{text}   {names.unique(member.name)} = {int(member.value)};\n")
                 seen.add(int(member.value))
         body = f"u{field.width} {{\n{''.join(values)}}}\n"
-        # SystemRDL does not say that other numbers never come.
+        # In SystemRDL, other numbers may come, too.
         return types.declare("open enum", encode.type_name, body)
     signed = bool(_own(field, "is_signed"))
     fraction, whole = _own(field, "fracwidth"), _own(field, "intwidth")
@@ -92,7 +92,7 @@ def _field_type(field: FieldNode, types: Types) -> str:
 
 
 def _own(field: FieldNode, name: str) -> Any:
-    """Return a property that the file may have declared itself, as PeakRDL's users do for fixed point."""
+    """Return a property that the file itself may have declared, as PeakRDL's users do for fixed point."""
     try:
         return field.get_property(name, default=None)
     except LookupError:
@@ -135,7 +135,7 @@ def _initial(fields: list[FieldNode], kind: str) -> str | None:
         raw |= reset << field.low
     if len(fields) == 1 and fields[0].low == 0:
         if "fixed" in kind:
-            return None  # an engineering value, and the reset is a raw one
+            return None  # the default is an engineering value, but the reset is a raw one
         if kind == "bool":
             return str(raw)
         if kind[0] == "i" and kind[1:].isdigit() and raw >> (fields[0].width - 1):

@@ -24,7 +24,10 @@ class Imported:
 
 
 def write_spec(top: AddrmapNode) -> Imported:
-    """Return the spec of an address map. Failure names the parts that UL-spec cannot express."""
+    """Return the spec of an address map.
+
+    Raises Failure, which names the parts that UL-spec cannot express.
+    """
     writer = _Writer(top)
     text = format_text(writer.text(), f"{top.inst_name}.ul")
     errors = [d for d in compile_text(text, f"{top.inst_name}.ul").diagnostics if d.severity == "error"]
@@ -51,7 +54,7 @@ class _Writer:
         return link + "\n".join([*self.types.texts, public, *self.texts])
 
     def _body(self, node: AddressableNode, base: str) -> str:
-        """Return the members of a node; `base` is the name of its block's address, "" at the top."""
+        """Return the members of a node. `base` is the name of its block's address, or "" at the top."""
         names = Names()
         names.unique(base)
         lines = []
@@ -121,7 +124,10 @@ class _Writer:
 
 
 def _data_bits(top: AddrmapNode) -> int:
-    """Return the width of a word: that of the narrowest register, for wider ones take several words."""
+    """Return the width of a word.
+
+    It is that of the narrowest register, because wider ones take several words.
+    """
     widths = {node.get_property("regwidth") for node in top.descendants() if isinstance(node, RegNode)}
     widths |= {node.get_property("memwidth") for node in top.descendants() if isinstance(node, MemNode)}
     return int(min([*widths, DATA_BITS_MAX]))

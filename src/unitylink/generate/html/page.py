@@ -14,7 +14,7 @@ from ..json import plan_model
 from ..quoting import Html
 from ..spec_plan import SpecPlan
 
-_PRECISE = 1 << 53  # JavaScript's numbers are doubles: larger integers go as text
+_PRECISE = 1 << 53  # JavaScript's numbers are doubles, so larger integers go as text
 _SLOT = re.compile(r"\{\{ (\w+) \}\}")
 
 
@@ -41,7 +41,7 @@ def _part(name: str) -> str:
 
 
 def page_data(value: Any) -> Any:
-    """Return the model for the page, without empty members, which are most."""
+    """Return the model for the page. Empty members are left out, and most are empty."""
     if isinstance(value, dict):
         return {name: page_data(inner) for name, inner in value.items() if inner not in (None, "", [], {})}
     if isinstance(value, list):

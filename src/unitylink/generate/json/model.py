@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A `Spec` as plain dicts and lists: each class of the model is an object with its fields under their names.
 
-References to other objects are names: types of elements name their enumeration, groups list paths.
+References to other objects are names. An element's type names its enumeration, and a group lists paths.
 """
 
 from __future__ import annotations

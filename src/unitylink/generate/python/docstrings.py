@@ -9,7 +9,7 @@ from unitylink import protocol
 from unitylink.spec.model import Element, Instance
 from unitylink.values import Quantity, format_value, member_text
 
-PLACES_SHOWN = 6  # expansions named in a docstring; the address table has them all
+PLACES_SHOWN = 6  # the most expansions that a docstring names; the address table has all
 
 
 def value_facts(element: Element, quantity: Quantity, here: Sequence[Element]) -> str:
@@ -40,7 +40,7 @@ def value_facts(element: Element, quantity: Quantity, here: Sequence[Element]) -
 
 
 def places(texts: Sequence[str]) -> str:
-    """Return texts with commas between, the first few of many."""
+    """Return texts with commas between. If there are many, return the first few."""
     more = len(texts) - PLACES_SHOWN
     few = texts if more <= 1 else [*texts[:PLACES_SHOWN], f"... ({len(texts)} in all)"]
     return ", ".join(few)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The names of generated modules. Python would import a file `types.py` in place of its own `types`."""
+"""The names of generated modules. A file `types.py` would hide Python's own `types`."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import keyword
 import re
 import sys
 
-# Modules of the standard library that some Python from 3.10 to 3.14 has and another has not: a spec gives the
-# same file whichever Python generates it.
+# Modules of the standard library that some Python from 3.10 to 3.14 has and another lacks. So a spec gives
+# the same file with every Python.
 _COME_AND_GONE = """
 aifc annotationlib asynchat asyncore audioop binhex cgi cgitb chunk compression crypt distutils imghdr imp
 lib2to3 mailcap msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib tomllib uu xdrlib
 """
-# What unitylink and nodes import, and files that Python, pip or pytest take for theirs.
+# Modules that unitylink and nodes import, and files that Python, pip or pytest would take for their own.
 _TAKEN = """
 catkin_pkg click jinja2 launch launch_ros markupsafe numpy rclpy rich rospy tomli typing_extensions unitylink
 __init__ __main__ conftest setup sitecustomize usercustomize

@@ -59,7 +59,7 @@ class Class:
     name: str
     documentation: Python
     signature: Python
-    start: tuple[Python, ...]  # statements before the members'
+    start: tuple[Python, ...]  # statements before those of the members
     members: tuple[Member, ...]
 
 
@@ -93,7 +93,7 @@ def plan_module(plan: SpecPlan) -> Module:
 
 
 class _Planner:
-    """Names every class first, in source order, then plans each from its first expansion."""
+    """First names every class, in source order. Then plans each one from its first expansion."""
 
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
@@ -104,7 +104,8 @@ class _Planner:
         self.table_names = {root.name: self._claim_tables(self.root_class[root.name]) for root in spec.roots}
         self.class_table = self._claim("_CLASSES")
         self.shape_class: dict[Hashable, str] = {}
-        self.expansions: dict[str, list[tuple[Instance, LinkBinding]]] = {}  # class -> (where, link above)
+        # class -> (instance, link above it)
+        self.expansions: dict[str, list[tuple[Instance, LinkBinding]]] = {}
         for root in spec.roots:
             self._collect(root)
 
@@ -201,7 +202,7 @@ class _Planner:
         )
 
     def _links(self, root: Instance, attributes: Mapping[str, str]) -> Python:
-        """Return arguments that connect a public constructor to virtual boards, one behind each link."""
+        """Return arguments that connect a public constructor to virtual boards, with one behind each link."""
         boards = {device.link.name: device.comm for device in self.spec.devices if device.root == root.name}
         if len(boards) > 1:
             chosen = [(link, attributes[comm] if comm else "") for link, comm in boards.items()]
@@ -345,7 +346,7 @@ def _item_of(array: str) -> Python:
 
 
 def _arrays(instance: Instance) -> dict[str, list[int]]:
-    """Return the positions of the members by attribute: several for the parts of an array."""
+    """Return the positions of the members by attribute. The parts of an array have several."""
     found: dict[str, list[int]] = {}
     for position, member in enumerate(instance.members):
         if not isinstance(member, Group):
@@ -372,7 +373,7 @@ def _group(attribute: str, group: Group, instance: Instance) -> Member:
 
 
 def _shape(instance: Instance, above: LinkBinding) -> Hashable:
-    """Return the facts that decide about the class. Two expansions with the same facts share one."""
+    """Return the facts on which the class depends. Two expansions with the same facts share a class."""
     members: list[Hashable] = []
     for member in instance.members:
         if isinstance(member, Instance):

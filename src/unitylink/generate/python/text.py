@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Docstrings and calls, wrapped as a formatter would leave them, at 88 columns."""
+"""Docstrings and calls, wrapped at 88 columns as a formatter would do it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WIDTH = 88
 
 
 def docstring(indent: int, *paragraphs: str) -> Python:
-    """Return a docstring, its first line without indent: one line if it fits, else wrapped.
+    """Return a docstring, with no indent in its first line. It is one line if it fits, else wrapped.
 
     >>> print(docstring(4, "A lamp."))
     \"\"\"A lamp.\"\"\"
@@ -30,7 +30,8 @@ def docstring(indent: int, *paragraphs: str) -> Python:
         if paragraph.startswith(">>>"):
             lines.append(first + paragraph)
             continue
-        # A line of its own for the quotes is for more than one line of text: a formatter would take it away.
+        # The closing quotes get their own line only after several lines of text. Otherwise a formatter would
+        # move them.
         only = len(clean) == 1 and indent + len(paragraph) + 3 <= WIDTH
         room = WIDTH - indent - (3 if only else 0)
         lines += textwrap.wrap(
@@ -46,7 +47,7 @@ def docstring(indent: int, *paragraphs: str) -> Python:
 
 @dataclass(frozen=True)
 class Call:
-    """`keyword=head(arguments)`. Without a head it is a tuple. Head and keyword are names or Python."""
+    """`keyword=head(arguments)`. Without a head, it is a tuple. Head and keyword are names or Python."""
 
     head: str
     arguments: Sequence[Argument]
@@ -66,7 +67,7 @@ Argument = Union[str, Call]
 
 
 def repeated(indent: int, head: str, each: Call, count: int) -> Python:
-    """Return `head(each for i in range(count))`, on as few lines as it fits.
+    """Return `head(each for i in range(count))`, on as few lines as possible.
 
     >>> leg = Call("Leg", ["self", Python('f"leg[{i}]"')])
     >>> print(repeated(8, Python("self.leg = tuple"), leg, 2))

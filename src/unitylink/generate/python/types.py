@@ -35,7 +35,7 @@ class TypeClass:
 
 @dataclass
 class Types:
-    """The types of a spec, with their names in the module. `claim` takes a free name."""
+    """The types of a spec, with their names in the module. `claim` reserves a free name."""
 
     spec: Spec
     claim: Callable[[str], str]
@@ -145,7 +145,7 @@ class Types:
 
 
 def _given(thing: object, standard: object, names: Iterable[str]) -> Iterator[Python]:
-    """Yield `name=value` for all that differs from the default."""
+    """Yield `name=value` for everything that differs from the default."""
     for name in names:
         value: Part = getattr(thing, name)
         if value != getattr(standard, name):

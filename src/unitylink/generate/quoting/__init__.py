@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a text of a spec comes into a generated file: one class for each language, with its quoting functions.
+"""How a text of a spec gets into a generated file.
+
+There is one class for each language, with its quoting functions.
 
 >>> Python.text('the "arm"')
 '\\'the "arm"\\''
@@ -67,5 +69,8 @@ LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
 
 @cache
 def language_of(name: str) -> type[Code]:
-    """Return the language of a file, or of the template of one. `Code` if the table does not have it."""
+    """Return the language of a file, or of the template of one.
+
+    Return `Code` if the table does not have it.
+    """
     return LANGUAGES.get(PurePosixPath(name.removesuffix(".jinja")).suffix, Code)

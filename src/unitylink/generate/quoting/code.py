@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Text that is code. It is made of the generators' own code, of names, of numbers, and of quoted texts.
 
-A text of a spec is none of these before the quoting function of a language has made it one. So an unquoted
-text cannot come into a file. To put it there raises UnquotedText.
+A text of a spec becomes code only through the quoting function of a language. So no unquoted text can get
+into a file. An attempt raises UnquotedText.
 """
 
 from __future__ import annotations
@@ -12,20 +12,21 @@ import re
 from collections.abc import Iterable
 from typing import SupportsIndex, TypeVar, Union
 
-# A name, a path in a spec or in ROS, digits; blanks behind it in a table. It acts in no language.
+# Matches a name, a path in a spec or in ROS, or digits. In a table, blanks may follow. This acts in no
+# language.
 _NAME = re.compile(r"[A-Za-z0-9_]+(?:\[[0-9]+\])?(?:[./][A-Za-z0-9_]+(?:\[[0-9]+\])?)* *", re.ASCII)
-_SHOWN = 60  # characters of a refused text
+_SHOWN = 60  # the most characters that are shown of a refused text
 
 Self = TypeVar("Self", bound="Code")
 Part = Union[str, int, float]
 
 
 class UnquotedText(TypeError):
-    """A text was put into code as it is: a mistake of a generator, found before anything is written."""
+    """A generator put a text into code without quoting it. This is found before anything is written."""
 
 
 class Code(str):
-    """Code of one language, in a subclass. `Code` itself is of no language.
+    """Code of one language, in a subclass. `Code` itself belongs to no language.
 
     `Code("...")` is for text of our own sources. `of` is for everything that is joined.
 
@@ -48,8 +49,10 @@ class Code(str):
 
     @classmethod
     def part(cls, value: Part) -> Part:
-        """Return `value` if it may become part of code of this language as it is. Raise UnquotedText for all
-        else."""
+        """Return `value` if it may become part of code of this language without a change.
+
+        Raises UnquotedText for everything else.
+        """
         if isinstance(value, cls):
             return value
         if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
@@ -80,7 +83,7 @@ class Code(str):
 
 
 def one_line(text: str) -> str:
-    """Return a text on one line. Characters that do not print, such as ends of lines, become blanks.
+    """Return a text on one line. Characters that cannot be printed, such as ends of lines, become blanks.
 
     >>> one_line("one\\ntwo\\u202e  three")
     'one two three'
@@ -89,10 +92,9 @@ def one_line(text: str) -> str:
 
 
 def file_name(name: str) -> str:
-    """Return a file's name as marks show it: of letters, digits and a few signs that act in no language.
+    """Return a file's name in a form for remarks: letters, digits and a few signs that act in no language.
 
-    A comment can do more than say something: one near a file's begin chooses the encoding of Python, or sets
-    up an editor.
+    Some comments act. Near the beginning of a file, one may choose Python's encoding, or set up an editor.
 
     >>> file_name("arm-2.ul"), file_name("x coding:utf-7 --> .ul")
     ('arm-2.ul', 'x coding_utf-7 _-_ .ul')

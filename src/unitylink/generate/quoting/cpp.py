@@ -19,8 +19,8 @@ class Cpp(Code):
     def text(cls: type[Self], text: str) -> Self:
         r"""Return a string literal of ASCII, whose bytes are the text's UTF-8.
 
-        Each octal escape has three digits. So a digit after it does not belong to it. A
-        question mark is escaped where two would begin a trigraph.
+        Each octal escape has three digits. So a digit after it does not belong to it. A question mark is
+        escaped if two of them would begin a trigraph.
 
         >>> print(Cpp.text('a "b"\n'), Cpp.text("µ1"), Cpp.text("??/"))
         "a \"b\"\012" "\302\2651" "?\?/"
@@ -31,7 +31,10 @@ class Cpp(Code):
 
     @classmethod
     def remark(cls: type[Self], text: str) -> Self:
-        """Return a text for a comment, which no backslash or trigraph makes longer and nothing ends."""
+        """Return a text for a comment.
+
+        No backslash or trigraph in it makes the comment longer, and nothing ends it.
+        """
         plain = one_line(text).replace("\\", "/").replace("??", "? ?")
         return cls(plain.replace("*/", "* /").replace("/*", "/ *"))
 

@@ -18,7 +18,7 @@ class Python(Code):
 
     @classmethod
     def text(cls: type[Self], text: str) -> Self:
-        r"""Return a string literal, in double quotes unless single ones save escapes.
+        r"""Return a string literal. It has double quotes unless single ones need fewer escapes.
 
         >>> print(Python.text("joint 1"), Python.text('say "x"'), Python.text("a\\b\n"))
         "joint 1" 'say "x"' "a\\b\n"
@@ -30,7 +30,7 @@ class Python(Code):
 
     @classmethod
     def remark(cls: type[Self], text: str) -> Self:
-        """Return a text for a comment, which in the first two lines of a file could choose its encoding.
+        """Return a text for a comment. A comment in the first two lines of a file could choose its encoding.
 
         >>> print(Python.remark("coding:utf-7"))
         coding :utf-7

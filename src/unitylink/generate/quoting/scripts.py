@@ -19,13 +19,13 @@ _YAML_WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "n
 
 
 class CMake(Code):
-    """CMake. No text of a spec is a literal in it."""
+    """CMake. It has no literals with texts of a spec."""
 
     __slots__ = ()
 
 
 class Shell(Code):
-    """A script of the shell. No text of a spec is a literal in it."""
+    """A script of the shell. It has no literals with texts of a spec."""
 
     __slots__ = ()
 
@@ -37,7 +37,9 @@ class Yaml(Code):
 
     @classmethod
     def text(cls: type[Y], text: str) -> Y:
-        r"""Return a string: bare where that is surely one, else in double quotes, as in JSON.
+        r"""Return a string.
+
+        It is bare if it is certainly read as a string, else in double quotes, as in JSON.
 
         >>> print(Yaml.text("joint_1"), Yaml.text("no"), Yaml.text("a: b\n- c"))
         joint_1 "no" "a: b\n- c"
@@ -47,13 +49,15 @@ class Yaml(Code):
 
 
 class Message(Code):
-    """A message or service of ROS. Its comments come into headers of C and C++, between /* and */."""
+    """A message or service of ROS. Its comments are copied into headers of C and C++, between /* and */."""
 
     __slots__ = ()
 
     @classmethod
     def remark(cls: type[M], text: str) -> M:
-        """Return a text for a comment that ends with its line, and that ends no comment of C.
+        """Return a text for a comment.
+
+        The comment ends with its line, and the text cannot end a comment of C.
 
         >>> print(Message.remark("speed */ of"))
         speed * / of
@@ -63,7 +67,7 @@ class Message(Code):
 
 
 class Markdown(Code):
-    """Markdown. From a spec it only has names, and the name of a file between back quotes."""
+    """Markdown. From a spec it has only names, and the name of a file between back quotes."""
 
     __slots__ = ()
 
@@ -74,18 +78,20 @@ class Markdown(Code):
 
 
 class Tcl(Code):
-    """A script of the tools of vendors."""
+    """A script for the tools of vendors."""
 
     __slots__ = ()
 
     @classmethod
     def text(cls: type[T], text: str) -> T:
-        r"""Return one word: in braces, where no sign has a meaning, or with a backslash before each.
+        r"""Return one word.
+
+        It is in braces, where no sign has a meaning, or has a backslash before each sign.
 
         >>> print(Tcl.text("/home/me/[exit] $x/arm.vhd"), Tcl.text("/a{b c"))
         {/home/me/[exit] $x/arm.vhd} /a\{b\ c
 
-        Raises UnquotedText for a text with ends of lines, which no name of a file or of a pin has.
+        Raises UnquotedText for a text with ends of lines. No name of a file or of a pin has them.
         """
         if not text.isprintable():
             raise UnquotedText(f"{text!r} is no word of Tcl")

@@ -23,7 +23,7 @@ class Xml(Code):
     def text(cls: type[Self], text: str) -> Self:
         """Return a text for an element or, between quotes, for an attribute, on one line.
 
-        XML cannot say characters that control something, not even escaped.
+        XML has no control characters, not even escaped ones.
 
         >>> print(Xml.text('a "b" <c>'))
         a &quot;b&quot; &lt;c&gt;
@@ -32,7 +32,7 @@ class Xml(Code):
 
     @classmethod
     def remark(cls: type[Self], text: str) -> Self:
-        """Return a text for the middle of a comment, in which XML has no two dashes.
+        """Return a text for the middle of a comment. XML allows no two dashes there.
 
         >>> print(Xml.remark("a --> b"), Xml.remark("---"))
         a - -> b - - -
@@ -47,7 +47,7 @@ class Html(Xml):
 
     @classmethod
     def data(cls: type[Self], value: object) -> Self:
-        r"""Return plain data as the content of a script element, which nothing in it can end.
+        r"""Return plain data as the content of a script element. Nothing in it can end the element.
 
         >>> print(Html.data({"said": "</script>"}))
         {"said":"\u003c/script>"}
@@ -63,7 +63,7 @@ class Xacro(Xml):
 
     @classmethod
     def text(cls: type[Self], text: str) -> Self:
-        """Return a text for an attribute that xacro leaves as it is.
+        """Return a text for an attribute that xacro does not change.
 
         >>> print(Xacro.text("${exit()} $(find x) 5$"))
         $${exit()} $$(find x) 5$

@@ -18,7 +18,7 @@ def ros2_files(plan: SpecPlan) -> dict[str, str]:
     files: dict[str, str] = {}
     for package in plan.part(plan_packages):
         folder = f"ros2/{package.name}"
-        python = f"{package.name}_node"  # rosidl makes the Python package of the package's own name
+        python = f"{package.name}_node"  # rosidl itself makes the Python package with the name of the package
         templates = {
             "package.xml": "package.xml.jinja",
             "CMakeLists.txt": "CMakeLists.txt.jinja",
@@ -41,7 +41,9 @@ def ros2_files(plan: SpecPlan) -> dict[str, str]:
 
 
 def _header(type_name: str) -> str:
-    """Return where rosidl puts a message: `sensor_msgs/JointState` in `sensor_msgs/msg/joint_state`."""
+    """Return the header that rosidl makes for a message: `sensor_msgs/msg/joint_state` for
+    `sensor_msgs/JointState`.
+    """
     package, _, name = type_name.partition("/")
     parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
     return f"{package}/msg/{parted.lower()}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plug-in of ros2_control: which value of the table each number of a joint is."""
+"""The plug-in of ros2_control: the value of the table for each number of a joint."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..ros_common.package import Package, rendered
 
 @dataclass(frozen=True)
 class ControlJoint:
-    """A joint of the URDF tag, and which of position, velocity and effort it has."""
+    """A joint in the URDF, and which of position, velocity and effort it has."""
 
     name: str
     states: tuple[str, ...]
@@ -23,7 +23,7 @@ class ControlJoint:
 
 
 def control(package: Package, folder: str) -> dict[str, str]:
-    """Return the files of the plug-in. A robot without joints has none."""
+    """Return the files of the plug-in. A robot without joints has no plug-in."""
     published = [topic for topic in package.interface.published if topic.form == JOINTS]
     commanded = [topic for topic in package.interface.commanded if topic.form == JOINTS]
     if not published and not commanded:

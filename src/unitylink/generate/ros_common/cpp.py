@@ -43,7 +43,7 @@ class CppTopic:
 @dataclass(frozen=True)
 class CppJoint:
     name: str
-    values: tuple[int, int, int]  # of the table, -1: none
+    values: tuple[int, int, int]  # index in the table for each, -1 for none
     factors: tuple[float, float, float]
 
 
@@ -58,8 +58,8 @@ class CppRobot:
     published: tuple[CppTopic, ...]
     commanded: tuple[CppTopic, ...]
     joints: tuple[CppJoint, ...]  # of joint_commands
-    left_out: tuple[str, ...]  # topics of several groups
-    asks_for_frames: str  # the first value that does, and why; "": none
+    left_out: tuple[str, ...]  # topics whose values are in several groups
+    asks_for_frames: str  # the first value that does, and why, or ""
 
 
 def cpp_robot(package: Package) -> CppRobot:
@@ -257,14 +257,20 @@ def _initialiser(where: tuple[Part, Part, int], quantity: Quantity, writable: bo
 
 
 def _members(kind: ValueType) -> Cpp:
-    """Return a bit for each number of a closed enumeration. 0 if the limits have to do."""
+    """Return a number with one bit for each number of a closed enumeration.
+
+    Return 0 if this is impossible. Then the limits are checked instead.
+    """
     numbers = {value.value for value in kind.enum.values} if kind.enum is not None else set()
     whole = kind.enum is None or kind.enum.open or any(not 0 <= number < 64 for number in numbers)
     return Cpp.of("0x{:X}U", 0 if whole else sum(1 << number for number in numbers))
 
 
 def _limits(codec: Codec) -> tuple[float | None, float | None]:
-    """Return the limits that are narrower than the type: in its unit for a float, else as raw numbers."""
+    """Return the limits that are narrower than the type.
+
+    For a float they are in its unit, else they are raw numbers.
+    """
     quantity, kind = codec.quantity, codec.quantity.type
     if kind.kind == "float":
         return quantity.minimum, quantity.maximum

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The part that the packages of ROS 1 and ROS 2 share: names, messages, the Python of the robot."""
+"""The part that the packages of ROS 1 and ROS 2 share: names, messages, the robot's Python."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Package:
     interface: Interface
     root: Instance
     spec: Spec
-    module: str  # of the generated Python classes
+    module: str  # module of the generated Python classes
     robot_class: str
     literal: Python  # the interface
-    classes: str  # the generated Python classes: the text of their module
+    classes: str  # the text of the module with the generated Python classes
 
     @property
     def name(self) -> str:
@@ -45,12 +45,12 @@ class Package:
 
     @property
     def source(self) -> str:
-        """The spec's file as texts for people show it."""
+        """The name of the spec's file, as texts for people show it."""
         return file_name(self.interface.source)
 
 
 def plan_packages(plan: SpecPlan) -> list[Package]:
-    """Return a package for each public constructor. BindingError if two have the same name."""
+    """Return a package for each public constructor. Raises BindingError if two have the same name."""
     spec, module = plan.spec, plan.part(plan_module)
     made = []
     for root, robot in zip(spec.roots, module.classes, strict=False):
@@ -79,7 +79,7 @@ def definitions(package: Package, folder: str) -> dict[str, str]:
 
 
 def _commented(message: RosMessage) -> RosMessage:
-    """Return a message whose texts can be comments of its definition."""
+    """Return a message whose texts are safe as comments of its definition."""
     described = tuple(replace(field, comment=Message.remark(field.comment)) for field in message.fields)
     return replace(message, fields=described, documentation=Message.remark(message.documentation))
 
@@ -90,14 +90,14 @@ def proxies(package: Package, folder: str) -> dict[str, str]:
 
 
 def headers(interface: Interface) -> list[str]:
-    """Return the message types of all topics, once each, as C++ includes them."""
+    """Return the message types of all topics, each once, in the form of C++ includes."""
     return sorted({topic.type for topic in (*interface.published, *interface.commanded)})
 
 
 def rendered(
     package: Package, templates: dict[str, str], artefact: str, folder: str, **more: Any
 ) -> dict[str, str]:
-    """Return {file: text} of {file: template}, templates being in the folder of the artefact."""
+    """Return {file: text} from {file: template}. The templates are in the folder of the artefact."""
     templates_of = environment(FOLDER / artefact, FOLDER / "ros_common")
     return {
         f"{folder}/{file}": templates_of.get_template(template).render(
@@ -108,13 +108,16 @@ def rendered(
 
 
 def literal(value: Any, indent: int) -> Python:
-    """Return a frozen dataclass as Python, without defaults, with one argument on each line if it is long."""
+    """Return a frozen dataclass as Python, without default values.
+
+    A long one has each argument on its own line.
+    """
     return _laid_out(_parsed(value), indent)
 
 
 @dataclass(frozen=True)
 class _Text:
-    """Python on one line, and the parts from which it is laid out on several."""
+    """Python on one line, and the parts from which it can be laid out on several."""
 
     flat: Python
     head: str = ""

@@ -38,7 +38,7 @@ _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 def vhdl_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of a spec's design: packages, design on byte streams, top level with a UART.
 
-    Where the spec has several links there is a design for each of its boards (`Spec.boards`). Raises
+    If the spec has several links, there is a design for each of its boards (`Spec.boards`). Raises
     BindingError for gateware that only a virtual board can have.
     """
     files: dict[str, str] = {}
@@ -67,7 +67,7 @@ def plan_designs(plan: SpecPlan) -> list[Plan]:
 
 
 def design_file_names(name: str) -> list[str]:
-    """Return the names of the files of a design, by the beginning of its names (`design_name`)."""
+    """Return the names of the files of a design. `name` is the beginning of its names (`design_name`)."""
     return [f"{FOLDER}/{name}_{part}" for part in _PARTS]
 
 
@@ -76,7 +76,9 @@ def _text(part: str, design: Plan) -> str:
 
 
 def design_name(spec: Spec) -> str:
-    """Return the beginning of the names of the generated entities: `scara` of `scara_design`, `scara_top`."""
+    """Return the beginning of the names of the generated entities: `scara` for `scara_design` and
+    `scara_top`.
+    """
     return identifier(spec.name)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How the words of a spec lie on the bus: blocks of registers, each a slave."""
+"""How the words of a spec are placed on the bus: in blocks of registers, each of which is a slave."""
 
 from __future__ import annotations
 
@@ -10,19 +10,22 @@ from itertools import groupby
 from ..quoting import Vhdl
 from .words import WordMap
 
-WINDOW = 64  # addresses that may share a slave
+WINDOW = 64  # so many neighbouring addresses may share a slave
 
 
 @dataclass(frozen=True)
 class Block:
-    """A register slave: `words` addresses from `base` on, both a power of two and `base` a multiple of it."""
+    """A register slave with `words` addresses from `base` on.
+
+    `words` is a power of two, and `base` is a multiple of it.
+    """
 
     base: int
     words: int
-    addresses: tuple[int, ...]  # those that exist; the others are holes
+    addresses: tuple[int, ...]  # the addresses that exist; the others are holes
 
     def writable(self, words: WordMap) -> Vhdl:
-        """Return the generic of register_slave: a character an address."""
+        """Return the generic of register_slave, with one character for each address."""
         exist = set(self.addresses)
         hole, kept, given = Vhdl("-"), Vhdl("1"), Vhdl("0")
         return Vhdl("").join(
@@ -32,10 +35,12 @@ class Block:
 
 
 def blocks(addresses: Iterable[int], keep_out: Sequence[range] = ()) -> tuple[Block, ...]:
-    """Divide addresses into blocks: decoding an aligned power of two costs no adder, a hole no flip-flop.
+    """Divide addresses into blocks.
 
-    The words of one window of 64 addresses share a slave, which is as small as a power of two around them is.
-    No block reaches into `keep_out`, where other slaves answer.
+    An aligned power of two needs no adder to decode, and a hole needs no flip-flop.
+
+    The words of one window of 64 addresses share a slave. Its size is the smallest power of two that holds
+    them. No block overlaps `keep_out`, where other slaves answer.
 
     >>> [(hex(block.base), block.words) for block in blocks([0x10, 0x13, 0x12345])]
     [('0x10', 4), ('0x12345', 1)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions between the records of the user and the vectors of the design, a line a part of a value."""
+"""Functions between the user's records and the design's vectors, with one line for each part of a value."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from .value_types import SLOT, slices
 
 @dataclass(frozen=True)
 class Function:
-    """`name`(`parameter`: `takes`) returns `gives`; `result`, of type `variable`, is made by `lines`."""
+    """`name`(`parameter`: `takes`) returns `gives`.
+
+    Its lines make `result`, a variable of the type `variable`.
+    """
 
     name: str
     parameter: str
@@ -25,7 +28,7 @@ class Function:
 
 
 def to_words(tree: Tree, words: int, data_bits: int) -> Function:
-    """The outputs of the user's logic, as the vector of all words that the PC reads."""
+    """Return the function from the outputs of the user's logic to the vector of words that the PC reads."""
     lines = [Vhdl("words := (others => '0');")]
     for leaf in tree.leaves:
         lines += _to_words(leaf, data_bits)
@@ -35,13 +38,13 @@ def to_words(tree: Tree, words: int, data_bits: int) -> Function:
 
 
 def from_words(tree: Tree, words: int, data_bits: int) -> Function:
-    """The vector of all words that the PC wrote, as the user's logic sees them."""
+    """Return the function from the vector of words that the PC wrote to the records of the user's logic."""
     lines = tuple(_from_words(leaf, data_bits) for leaf in tree.leaves)
     return Function("from_words", "words", _vector(SLOT * words), tree.type, "from_pc", tree.type, lines)
 
 
 def from_strobes(name: str, tree: Tree, words: int) -> Function:
-    """A vector with a bit a word, as records."""
+    """Return the function from a vector with one bit for each word to records."""
     lines = tuple(Vhdl.of("strobes_of.{} := strobes({});", leaf.path, leaf.index) for leaf in tree.leaves)
     return Function(name, "strobes", _vector(words), tree.type, "strobes_of", tree.type, lines)
 

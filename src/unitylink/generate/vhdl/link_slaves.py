@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""FIFOs and double buffers of a spec: slaves whose other side is ports for the user's logic."""
+"""FIFOs and double buffers of a spec. These slaves have ports for the user's logic on their other side."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from unitylink.spec.model import Instance, Spec
 
 from ..quoting import Part, Vhdl
 
-# Port of the entity -> direction and kind: a "bit", a "word" of the bus, the "place" of a word.
+# Port of the entity -> (direction, kind). The kind is a "bit", a "word" of the bus, or the "place" of a word.
 _PINS = {
     "fifo": {
         "to_pc_valid": ("in", "bit"),
@@ -32,13 +32,17 @@ _PINS = {
 }
 # The value of an input that nothing drives.
 _IDLE = {"bit": Vhdl("'0'"), "word": Vhdl("(others => '0')"), "place": Vhdl("0")}
-# Accesses without which a side of a slave is of no use, and how the names of that side's ports begin.
+# Accesses without which a side of a slave is useless. The key is the beginning of the names of that side's
+# ports.
 _NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("READ",)}
 
 
 @dataclass(frozen=True)
 class Pin:
-    """A port of a slave. It is one of the design if it is `used`. An input has a `default`, an output ""."""
+    """A port of a slave.
+
+    If it is `used`, it is a port of the design. An input has a `default`. For an output, this is "".
+    """
 
     name: str
     direction: str
@@ -49,15 +53,15 @@ class Pin:
 
 @dataclass(frozen=True)
 class LinkSlave:
-    """A FIFO or double buffer: its place in the spec, its words, and the accesses the PC has to it."""
+    """A FIFO or double buffer: its place in the spec, its words, and the PC's accesses to it."""
 
     root: str
-    path: str  # qualified as in `Spec.walk`; of a root its name
+    path: str  # qualified as in `Spec.walk`; for a root, its name
     kind: str
     base: int
     words: int
     size: int  # words of a double buffer, depth of a FIFO
-    event: str  # what the spec calls its event, "" for none
+    event: str  # the name of its event in the spec, "" for none
     accesses: frozenset[str]
 
     @property
@@ -65,7 +69,7 @@ class LinkSlave:
         return f"{self.kind}_slave"
 
     def events(self) -> dict[str, str]:
-        """Return its event ports and their names in the spec."""
+        """Return its event ports, each with its name in the spec."""
         return {"arrival": self.event} if self.event else {}
 
     @property
@@ -80,7 +84,10 @@ class LinkSlave:
         return {"depth": self.size, "remind_clocks": Vhdl("maximum(4, clock_hz / 50)")}
 
     def pins(self, data_bits: int) -> Iterator[Pin]:
-        """Yield its ports for the user's logic. Of a side that the spec never uses, yield only the inputs."""
+        """Yield its ports for the user's logic.
+
+        For a side that the spec never uses, yield only the inputs.
+        """
         types = {
             "bit": Vhdl("std_ulogic"),
             "word": Vhdl.of("std_ulogic_vector({} downto 0)", data_bits - 1),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names of a spec as names of VHDL, whatever they are."""
+"""Names of a spec as names of VHDL."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-# Reserved by VHDL-2008 (PSL's among them) and VHDL-2019, and by Verilog, in which netlists are written; and
-# the type of a strobe, for a field must not hide it.
+# Reserved by VHDL-2008 (with PSL) and VHDL-2019, and by Verilog, in which netlists are written. Also the type
+# of a strobe, because a field must not hide it.
 KEYWORDS = frozenset(
     [*(Path(__file__).parent / "keywords.txt").read_text(encoding="ascii").split(), "std_ulogic"]
 )
 
 
 class Names:
-    """The names of one scope: each text gets one that is legal, and that no other has in any case.
+    """The names of one scope. Each text gets a legal name that no other one has, in upper or lower case.
 
-    Small letters. Other characters than letters and digits become `_`, but never two in a row or one at an
-    end. `n` goes before a digit. A name that is taken, by a keyword or an earlier text, gets the next free
-    number.
+    Small letters. Characters other than letters and digits become `_`, but never two in a row, or one at an
+    end. A name that begins with a digit gets an `n` before it. If a keyword or an earlier text already has
+    the name, it gets the next free number.
 
     >>> names = Names()
     >>> [names.claim(text) for text in ("Led", "led", "signal", "_2nd__try_", "j1.cpos")]
@@ -30,7 +30,7 @@ class Names:
         self._taken = set(reserved) | KEYWORDS
 
     def claim(self, text: str) -> str:
-        """Return a free name for `text` and take it."""
+        """Return a free name for `text`, and reserve it."""
         plain = re.sub(r"[^a-z0-9]+", "_", text.lower(), flags=re.ASCII).strip("_")
         plain = plain if plain[:1].isalpha() else f"n{plain}"
         name, number = plain, 1
@@ -42,5 +42,5 @@ class Names:
 
 
 def identifier(text: str) -> str:
-    """Return `text` as a name of VHDL, if no other thing has that name."""
+    """Return `text` as a name of VHDL, in a scope where nothing else has this name."""
     return Names().claim(text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Physical layers a generated top level can have: their pins, generics and instance."""
+"""Physical layers that a generated top level can have: their pins, generics and instance."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from unitylink.protocol import RS485_NODES_MAX
 
 from ..quoting import Vhdl
 
-_BUS_FIFO_BYTES = 256  # a chip gives and takes bursts
+_BUS_FIFO_BYTES = 256  # a chip moves bytes in bursts
 _LINE_FIFO_BYTES = 16
 _DEPTHS = Vhdl("rx_depth => fifo_bytes, tx_depth => fifo_bytes")
 
 
 @dataclass(frozen=True)
 class Item:
-    """A generic or a port: its name, the rest of its declaration, and the port of the entity it goes to."""
+    """A generic or a port: its name, the rest of its declaration, and the port of the entity to which it
+    goes.
+    """
 
     name: str
     declaration: Vhdl
@@ -27,18 +29,20 @@ class Item:
 
 @dataclass(frozen=True)
 class PhysicalLayer:
-    """The facts about a layer for the template. An instance has the name of its entity in
-    gateware/physical."""
+    """What the template needs to know about a layer.
+
+    An instance has the name of its entity in gateware/physical.
+    """
 
     entity: str
     what: Vhdl  # "a UART"
-    generics: tuple[Item, ...]  # of the top level; clock_hz is there anyway
-    generic_map: Vhdl  # of the entity
+    generics: tuple[Item, ...]  # of the top level; clock_hz is always there
+    generic_map: Vhdl  # generic map of the entity
     ports: tuple[Item, ...]
-    more: tuple[Vhdl, ...]  # of the entity's port map: what does not go to pins as it is
+    more: tuple[Vhdl, ...]  # lines of the entity's port map for ports that do not go directly to pins
     generics_manual: Vhdl
     ports_manual: Vhdl
-    example: Vhdl  # a port map of a user's
+    example: Vhdl  # a port map in a user's design
     example_generics: str = ""
     signals: tuple[Vhdl, ...] = ()
     statements: tuple[Vhdl, ...] = ()
@@ -49,7 +53,7 @@ class PhysicalLayer:
 
 
 def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalLayer:
-    """Return the layer that `configuration` names. `baud_hz` is that of a line."""
+    """Return the layer that `configuration` names. `baud_hz` is the rate of a serial line."""
     if configuration.physical == "uart":
         return _uart(configuration.fifo or _LINE_FIFO_BYTES, baud_hz)
     if configuration.physical == "rs485":
@@ -185,5 +189,5 @@ def _ft245(configuration: BoardConfiguration, *, synchronous: bool) -> PhysicalL
 
 
 def _as_named(items: Iterable[Item]) -> Vhdl:
-    """Return a port map in which signals are called as the ports."""
+    """Return a port map in which each signal has the name of its port."""
     return Vhdl(", ").join(Vhdl.of("{} => {}", item.name, item.name) for item in items)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plan of a generated design: every decision, for the templates to lay out."""
+"""The plan of a generated design. It has every decision, and the templates only lay it out."""
 
 from __future__ import annotations
 
@@ -35,20 +35,23 @@ class Given:
 
 @dataclass(frozen=True)
 class Wire:
-    """A word of a slave: its offset there, and its index in each port of the design, None where not there."""
+    """A word of a slave: its offset in the slave, and its index in each port of the design.
+
+    None means that it is not in that port.
+    """
 
     offset: int
     read: int | None
     write: int | None
     pulse: bool = False  # the user's logic sees it for one clock
-    taken: bool = False  # reading it clears it, and the user's logic is told
+    taken: bool = False  # a read clears it, and the user's logic gets a strobe
 
 
 @dataclass(frozen=True)
 class Registers:
     """A register_slave."""
 
-    number: int  # of the slave on the bus
+    number: int  # number of the slave on the bus
     span: str
     words: int
     writable: str
@@ -64,7 +67,7 @@ class Registers:
 
 @dataclass(frozen=True)
 class Tosnet:
-    """A tosnet_slave; nodes and addresses are aggregates."""
+    """A tosnet_slave. Nodes and addresses are VHDL aggregates."""
 
     number: int
     configuration: TosnetConfiguration
@@ -89,7 +92,10 @@ class Range:
 
 @dataclass(frozen=True)
 class Port:
-    """A port of a component or a link's slave, as a port of the design. `pin`: it leaves the chip."""
+    """A port of a component or a link's slave, as a port of the design.
+
+    `pin` means that it leaves the chip.
+    """
 
     name: str
     direction: str
@@ -101,18 +107,18 @@ class Port:
 class Placed:
     """A component of the gateware library: an instance of its entity."""
 
-    number: int  # of the slave on the bus
+    number: int  # number of the slave on the bus
     path: str
     span: str
     entity: str
     generics: tuple[tuple[str, Part], ...]
-    pins: tuple[tuple[str, str], ...]  # its port, the design's
-    events: tuple[tuple[str, tuple[int, ...]], ...]  # its port, the event lines
+    pins: tuple[tuple[str, str], ...]  # (its port, the design's port)
+    events: tuple[tuple[str, tuple[int, ...]], ...]  # (its port, the event lines)
 
 
 @dataclass(frozen=True)
 class EventSource:
-    """Event lines that are driven from outside: `number` is an index or a range."""
+    """Event lines that are driven from outside. `number` is an index or a range."""
 
     number: Vhdl
     source: Vhdl
@@ -165,11 +171,11 @@ class Plan:
 
     @property
     def pins(self) -> tuple[Port, ...]:
-        """The ports of components that leave the chip; the others are for the user's logic."""
+        """The ports of components that leave the chip. The others are for the user's logic."""
         return tuple(port for port in self.ports if port.pin)
 
     @property
     def declarations(self) -> tuple[Declaration, ...]:
-        """What the user's package declares, each behind what it uses."""
+        """The declarations of the user's package, each after those that it uses."""
         trees = (self.to_pc, self.from_pc, self.written, self.was_read)
         return (*self.types, *(one for tree in trees for one in tree.declarations))

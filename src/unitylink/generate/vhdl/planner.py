@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every decision about the generated VHDL: the templates only lay it out."""
+"""Every decision about the generated VHDL is made here. The templates only lay it out."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ from .settings import safe_values_of, settings_of
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
 from .words import PlacedComponent, components_of, tosnet_range, word_map
 
-# What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
+# Settings that a virtual board can have and a generated design cannot: means of testing, and slaves that no
+# spec names.
 _ONLY_ON_THE_TWIN = ("bus_error_ranges", "silent_ranges")
-# Of a UART, where neither configuration nor spec say.
+# For a UART, if neither the configuration nor the spec names a rate.
 _BAUD_HZ = 3_000_000
-# Ports that every design or top level may have; their templates' own words are no names of ports either.
+# Ports that every design or top level may have. Names in their templates cannot be names of ports either.
 _PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo_bytes", "rx_line", "tx_line"]
 _PORTS += ["send_immediate", "ft245_clkout", "ft245_rxf_n", "ft245_txe_n", "ft245_oe_n", "ft245_rd_n"]
 _PORTS += ["ft245_wr_n", "ft245_siwu_n", "ft245_data_in", "ft245_data_out", "ft245_data_drive"]
@@ -48,7 +49,10 @@ _FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
 def plan_design(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
-    """Plan the design of a spec on `configuration`, by default what it asks for, with both protocols."""
+    """Plan the design of a spec on `configuration`.
+
+    By default this is what the spec needs, with both protocols.
+    """
     return _Planner(spec, configuration or BoardConfiguration.for_spec(spec)).plan()
 
 
@@ -68,7 +72,7 @@ class _Planner:
             for path, element in spec.walk()
             if element.initial is not None and element.writable
         ]
-        self.accesses: dict[int, set[str]] = {}  # several where a PULSE shares its word with what is read
+        self.accesses: dict[int, set[str]] = {}  # there are several if a PULSE shares its word with a READ
         for _, element in spec.walk():
             for address in element.addresses:
                 self.accesses.setdefault(address, set()).add(element.access)
@@ -131,7 +135,7 @@ class _Planner:
         )
 
     def _told_baud_hz(self) -> int | None:
-        """Return the baud rate that the spec tells, where it tells one."""
+        """Return the baud rate of the spec's links, or None if they name none."""
         told = {device.link.baud_hz for device in self.spec.devices}
         return told.pop() if len(told) == 1 else None
 
@@ -140,7 +144,8 @@ class _Planner:
         names, bits = Names(IEEE_NAMES), self.configuration.data_bits
         types = ValueTypes(names, bits)
         read, write = self.words.read, self.words.write
-        # Elements of several devices may share an address: the word has one field then, the first one's.
+        # Elements of several devices may share an address. Then the word has one field, that of the first
+        # one.
         first: dict[int, Element] = {}
         for _, element in self.spec.walk():
             if self.words.drives(element):
@@ -229,7 +234,7 @@ class _Planner:
         )
 
     def _lines_of(self, root: str, events: Mapping[str, str]) -> tuple[tuple[str, tuple[int, ...]], ...]:
-        """Return the event lines of each port that has any; `events` is what the spec calls the ports."""
+        """Return the event lines of each port that has any. `events` has the spec's names of the ports."""
         devices = [device for device in self.spec.devices if device.root == root]
         lines = {
             port: tuple(g.number for device in devices for g in device.groups if g.event == event)
@@ -252,14 +257,14 @@ class _Planner:
         return tuple(changes)
 
     def _event_sources(self, inside: set[int]) -> tuple[EventSource, ...]:
-        """Return the lines from outside, in as few assignments as there are runs of them."""
+        """Return the lines from outside, with one assignment for each range."""
         inside = inside | {change.number for change in self._changes()}
         runs = _runs(set(range(self.configuration.groups)) - inside)
         spans = [Vhdl.of("{} downto {}", run.stop - 1, run.start) for run in runs]
         return tuple(EventSource(span, Vhdl.of("events({})", span)) for span in spans)
 
     def _event_lines(self, inside: set[int]) -> tuple[Constant, ...]:
-        """Return a constant for every event line that the user's logic drives, and nothing `inside`."""
+        """Return a constant for every event line that the user's logic drives, and for none in `inside`."""
         names = Names()
         kind, about = Vhdl("natural"), "index in events"
         return tuple(
@@ -270,7 +275,7 @@ class _Planner:
         )
 
     def _address_constants(self) -> tuple[Constant, ...]:
-        """Return the address of each element, and the raw values it starts with and is safe with."""
+        """Return the address of each element, and its raw initial and SAFE values."""
         names, constants = Names(), []
         for path, element in self.spec.walk():
             name, kind = names.claim(path), Vhdl("unsigned(31 downto 0)")
@@ -290,7 +295,10 @@ class _Planner:
         return Codec(path, Quantity.of(element), self.configuration.data_bits).encode(value)
 
     def _initial(self, block: Block) -> tuple[Vhdl, ...]:
-        """Return the words a block of registers starts with, as `offset => word`; none where all are zero."""
+        """Return the initial words of a block of registers as `offset => word`.
+
+        There are none if all are zero.
+        """
         words = {}
         for path, element, initial in self.initialised:
             if element.address in block.addresses:
@@ -355,7 +363,9 @@ class _Planner:
 
 @cache
 def _reserved_ports() -> frozenset[str]:
-    """Return what no port of a component may be called: signals, labels and types of the design around it."""
+    """Return the names that no port of a component may have: signals, labels and types of the design around
+    it.
+    """
     texts = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in _TEMPLATES]
     return frozenset([*_PORTS, *(word for text in texts for word in re.findall(r"[a-z]\w*", text))])
 
@@ -375,7 +385,7 @@ def _check(configuration: BoardConfiguration) -> None:
 
 
 def _check_slaves(slaves: Sequence[LinkSlave], configuration: BoardConfiguration) -> None:
-    """What the slaves are the spec says; a board configuration can only repeat it."""
+    """Check that the configuration has the slaves of the spec, because only the spec decides about them."""
     fifos = {("fifo", one.base, one.depth) for one in configuration.fifos}
     buffers = {("double_buffer", one.base, one.size) for one in configuration.double_buffers}
     if fifos | buffers != {(one.kind, one.base, one.size) for one in slaves}:
@@ -395,7 +405,7 @@ def _inside(components: Iterable[Placed]) -> set[int]:
 
 
 def _runs(numbers: set[int]) -> tuple[range, ...]:
-    """Return the numbers as runs without a gap.
+    """Return the numbers as ranges without gaps.
 
     >>> _runs({1, 2, 5})
     (range(1, 3), range(5, 6))
@@ -418,14 +428,14 @@ def _offsets(addresses: Iterable[int], base: int) -> list[Vhdl]:
 
 
 def _aggregate(values: list[Vhdl], none: Vhdl) -> Vhdl:
-    """Return an aggregate, six values a line where they are many."""
+    """Return an aggregate. If it has many values, each line has six."""
     named = [Vhdl.of("{} => {}", number, value) for number, value in enumerate(values)]
     rows = [Vhdl(", ").join(named[start : start + 6]) for start in range(0, len(named), 6)]
     return Vhdl.of("({})", Vhdl(",\n            ").join(rows)) if rows else none
 
 
 def _facts(element: Element) -> str:
-    """Say what an element is; texts of the spec stand behind words of ours."""
+    """Describe an element for a comment. Texts of the spec come after words of ours."""
     facts = [element.access, "signed" if element.signed else "unsigned"]
     facts += [f"in {element.unit}"] if element.unit else []
     if element.publish is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The spec's tree as VHDL records, so that a word has the same name as in Python: `to_pc.j1.cpos`."""
+"""The spec's tree as VHDL records. So a word has the same name as in Python: `to_pc.j1.cpos`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .value_types import Declaration, FieldType, Part
 
 @dataclass(frozen=True)
 class Leaf:
-    """A part of a value in the top record: its path there ("j(1).cpos"), its word, and its bits in it."""
+    """A part of a value in the top record: its path there ("j(1).cpos"), its word, and its bits there."""
 
     path: Vhdl
     index: int
@@ -60,9 +60,9 @@ class _Item:
 
 
 class _Maker:
-    """Walks the tree once and collects record types.
+    """Walks through the tree once and collects record types.
 
-    Each member gets a name, even if it has no field. So it has the same name in all directions.
+    Each member gets a name, even if it has no field. So a member has the same name in all directions.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class _Maker:
         return items
 
     def _array(self, scope: Names, array: str, parts: list[Element | Instance]) -> list[_Item]:
-        """Return one field for all items of an array, or a field for each if they differ."""
+        """Return one field for all items of an array, or one field for each if the items differ."""
         name = scope.claim(array)
         items = [self._item("", part) for part in parts]
         whole = [item for item in items if item is not None]
@@ -171,7 +171,10 @@ def _moved(leaf: Leaf, front: str, between: str = "") -> Leaf:
 
 
 def _about(element: Element) -> str:
-    """Return the facts that the type does not show. Our own words come first: tools obey some comments."""
+    """Return the facts that the type does not show.
+
+    Our own words come first, because tools obey some comments.
+    """
     facts = []
     if element.type.kind in ("fixed", "ufixed"):
         facts.append(f"{element.type.fraction} bits behind the point")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The settings of a core as VHDL: what `core_settings` of gateware/common/settings_pkg.vhd is given."""
+"""The settings of a core as VHDL: the arguments of `core_settings` in gateware/common/settings_pkg.vhd."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def settings_of(configuration: BoardConfiguration) -> tuple[Given, ...]:
 
 
 def core_settings(changed: Mapping[str, Any]) -> Vhdl:
-    """Return the expression of the settings that differ from the defaults only in `changed`.
+    """Return the VHDL of settings that differ from the defaults only in `changed`.
 
     >>> core_settings({"groups": 4, "protocol": "framed"})
     'core_settings(groups => 4, protocol => protocol_framed)'
@@ -34,7 +34,7 @@ def core_settings(changed: Mapping[str, Any]) -> Vhdl:
 
 
 def safe_values_of(configuration: BoardConfiguration) -> Constant:
-    """Return the table of the dead-man."""
+    """Return the table of words that the dead-man writes."""
     words = [
         Vhdl.of('{} => (x"{:08X}", x"{:08X}")', n, address, word)
         for n, (address, word) in enumerate(configuration.safe_words)
@@ -46,7 +46,7 @@ def safe_values_of(configuration: BoardConfiguration) -> Constant:
 
 
 def literal(setting: Setting, value: Any) -> Vhdl:
-    """Return a value of a setting as VHDL writes it."""
+    """Return a value of a setting as a VHDL literal."""
     if setting.type == "switch":
         return Vhdl.of("{}", str(value).lower())
     if setting.type == "choice":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The types of values as VHDL: what a field of a record is, and where its bits lie in words."""
+"""The types of values as VHDL: the type of a record's field, and the place of its bits in words."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from unitylink.spec.types import EnumType, ValueType
 from ..quoting import Vhdl
 from .names import Names
 
-SLOT = 32  # bits of a word in the ports of the design, whatever the width of the bus
+SLOT = 32  # bits of each word in the ports of the design, whatever the width of the bus
 
 # Names that packages of ieee declare and that users of a generated package use beside it.
 IEEE_NAMES = {"rising_edge", "falling_edge", "to_unsigned", "to_signed", "to_integer", "resize", "std_match"}
 IEEE_NAMES |= {"to_01", "shift_left", "shift_right", "to_bit", "to_stdulogic", "to_string", "to_hstring"}
 IEEE_NAMES |= {"std_logic", "bit", "integer", "natural", "positive", "boolean", "real"}
-# Kind of a value -> array of bits, with a range of `width` bits.
+# kind of a value -> array of bits, with a range of `width` bits
 _ARRAYS = {
     "uint": "unsigned",
     "int": "signed",
@@ -32,17 +32,17 @@ _ARRAYS = {
 
 @dataclass(frozen=True)
 class Part:
-    """Bits `low` to `high` of a raw value: `path` behind the field's name, "" for the whole value."""
+    """Bits `low` to `high` of a raw value. `path` follows the field's name, and is "" for the whole value."""
 
     path: Vhdl
-    base: str  # "std_ulogic", or the array type that std_ulogic_vector is converted to
+    base: str  # "std_ulogic", or the array type to which std_ulogic_vector is converted
     low: int
     high: int
 
 
 @dataclass(frozen=True)
 class FieldType:
-    """The type of a field of a record: as it is written, and its parts."""
+    """The type of a record's field: its VHDL name, and its parts."""
 
     text: Vhdl
     parts: tuple[Part, ...]
@@ -50,13 +50,13 @@ class FieldType:
 
 @dataclass(frozen=True)
 class Declaration:
-    """A declaration in the package of the user: its lines."""
+    """A declaration in the user's package: its lines."""
 
     lines: tuple[Vhdl, ...]
 
 
 class ValueTypes:
-    """Declares what the values of a spec need: a subtype for an enumeration, a record for packed bits."""
+    """Declares the types that values need: a subtype for an enumeration, a record for packed bits."""
 
     def __init__(self, names: Names, data_bits: int) -> None:
         self.names = names
@@ -66,7 +66,10 @@ class ValueTypes:
         self._arrays = {"std_ulogic": "std_ulogic_vector"}
 
     def of(self, element: Element) -> FieldType:
-        """Return the type of an element's field; one that is wider than its words has their width."""
+        """Return the type of an element's field.
+
+        If it is wider than the element's words, it has the width of the words.
+        """
         return self._type(element.type, width_of(element, self.data_bits))
 
     def _type(self, kind: ValueType, width: int) -> FieldType:
@@ -85,7 +88,7 @@ class ValueTypes:
         return FieldType(Vhdl.of("{}({} downto 0)", base, width - 1), (part,))
 
     def array_of(self, text: Vhdl) -> str:
-        """Return the type of several such values side by side, `text` being that of one."""
+        """Return the type of several such values side by side. `text` is the type of one."""
         if text not in self._arrays:
             plain = re.sub(r"\((\d+) downto 0\)", lambda m: f"_{int(m[1]) + 1}", text).removesuffix("_t")
             self._arrays[text] = self.names.claim(f"{plain}_array_t")
@@ -94,7 +97,7 @@ class ValueTypes:
         return self._arrays[text]
 
     def _enumeration(self, enum: EnumType) -> Vhdl:
-        """Numbers with names, and not a VHDL enumeration: what the PC writes may be none of them."""
+        """Declare constants, and not a VHDL enumeration, because the PC may write a number without a name."""
         name = self.names.claim(f"{enum.name}_t")
         lines = [Vhdl.of("subtype {} is unsigned({} downto 0);", name, enum.width - 1)]
         for value in enum.values:
@@ -133,9 +136,9 @@ def width_of(element: Element, data_bits: int) -> int:
 
 
 def slices(index: int, low: int, high: int, data_bits: int) -> Iterator[tuple[int, int, int]]:
-    """Yield, high bits first, (high, low) in a vector of words and the lowest bit of the value there.
+    """Yield, high bits first, (high, low) in a vector of words, and the lowest bit of the value there.
 
-    A value has `data_bits` bits in each word, its low ones in word `index`.
+    A word holds `data_bits` bits of the value. The lowest ones are in word `index`.
 
     >>> list(slices(2, 4, 20, 16))
     [(100, 96, 16), (79, 68, 4)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which words a design has, and which side drives each."""
+"""The words of a design, and which side drives each of them."""
 
 from __future__ import annotations
 
@@ -16,17 +16,20 @@ from unitylink.protocol import (
 )
 from unitylink.spec.model import Component, Element, Instance, Spec
 
-# What the user's logic gives the PC to read. A READWRITE is a word that the PC keeps here and reads back.
+# The user's logic drives these for the PC to read. A READWRITE is a word that the PC writes, and reads back.
 USER_GIVES = ("READ", "W1C", "READCLEAR")
 
 
 @dataclass(frozen=True)
 class WordMap:
-    """The words of a design, {address: index} in rising order: where each is in the ports of `NAME_design`.
+    """The words of a design: {address: index} in rising order.
 
-    Word i of `read` is bits 32*i+31 to 32*i of `read_words`, and so for `write` and `write_words`. A word
-    that one element reads and another writes is in both. A TosNet word is in one, whatever the spec does with
-    it: the PC writes IN words and the OUT words of its own node, the user's logic is the other nodes.
+    The index is the word's place in the ports of `NAME_design`.
+
+    Word i of `read` is bits 32*i+31 to 32*i of `read_words`. The same holds for `write` and `write_words`. A
+    word that one element reads and another one writes is in both. A TosNet word is in one of them, whatever
+    the spec does with it. The PC writes IN words and the OUT words of its own node. The user's logic plays
+    the other nodes.
 
     >>> from unitylink.spec import compile_text
     >>> spec = compile_text("public lamp() { @led = 0x10: WRITE(); @key = 0x08: READ(); }", "lamp.ul").spec
@@ -34,15 +37,15 @@ class WordMap:
     WordMap(read=mappingproxy({8: 0}), write=mappingproxy({16: 0}))
     """
 
-    read: Mapping[int, int]  # what the PC reads: the user's logic drives it
-    write: Mapping[int, int]  # what the PC wrote
+    read: Mapping[int, int]  # words that the PC reads and the user's logic drives
+    write: Mapping[int, int]  # words that the PC writes
 
     def drives(self, element: Element) -> bool:
-        """Say whether the user's logic gives the PC this element to read."""
+        """Tell whether the user's logic drives this element for the PC to read."""
         return element.access in USER_GIVES and element.address in self.read
 
     def sees(self, element: Element) -> bool:
-        """Say whether the user's logic sees what the PC writes to this element."""
+        """Tell whether the user's logic sees what the PC writes to this element."""
         return element.writable and element.address in self.write
 
 
@@ -54,7 +57,7 @@ def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> Wor
     components = {address for component in components_of(spec) for address in component.range}
     for _, element in spec.walk():
         if element.link.kind not in ("memory", "tosnet"):
-            continue  # the user's logic reaches those through ports of their own
+            continue  # the user's logic reaches these through ports of their own
         for address in element.addresses:
             if address not in components:
                 gives, takes = _directions(element, address, configuration)
@@ -101,7 +104,9 @@ def tosnet_range(configuration: BoardConfiguration) -> range:
 
 
 def _directions(element: Element, address: int, configuration: BoardConfiguration) -> tuple[bool, bool]:
-    """Say whether the user's logic gives the word to the PC, and the PC to the user's logic."""
+    """Tell two things: does the user's logic give the word to the PC, and does the PC give it to the user's
+    logic?
+    """
     if configuration.tosnet is None or address not in tosnet_range(configuration):
         return element.access in USER_GIVES, element.writable
     word = address - configuration.tosnet.base

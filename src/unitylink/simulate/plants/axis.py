@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One joint behind a position servo. Plants of robots are made of it."""
+"""One joint behind a position servo. Plants of robots are made of such joints."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import math
 from dataclasses import dataclass
 
 _SERVO_RAD_S = 90.0  # bandwidth of the position loop with nominal inertia, critically damped
-_FORCE_MARGIN = 2.0  # the drive can accelerate its nominal inertia this much faster than the profile asks
+_FORCE_MARGIN = 2.0  # the drive can accelerate its nominal inertia so much faster than the profile requires
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Limits of one joint, in degrees or millimetres, per second and per second squared; `inertia` relative
-    to nominal."""
+    """Limits of one joint, in degrees or millimetres, per second and per second squared.
+
+    `inertia` is relative to nominal.
+    """
 
     name: str
     unit: str
@@ -25,12 +27,13 @@ class Joint:
 
 
 class Axis:
-    """One joint in motion: a trapezoidal profile, a servo that follows it, and a mass that cannot do so at
-    once."""
+    """One joint in motion: a trapezoidal profile, a servo that follows it, and a mass that cannot follow at
+    once.
+    """
 
     def __init__(self, joint: Joint) -> None:
         self.joint = joint
-        self.position = 0.0  # of the mass, unit of the joint
+        self.position = 0.0  # of the mass, in the unit of the joint
         self.speed = 0.0
         self._profile_position = 0.0
         self._profile_speed = 0.0
@@ -46,7 +49,7 @@ class Axis:
         )
         self.speed += max(-force_limit, min(force_limit, force)) / inertia * dt_s
         self.position += self.speed * dt_s
-        if not joint.low <= self.position <= joint.high:  # against a mechanical stop
+        if not joint.low <= self.position <= joint.high:  # it is against a mechanical stop
             self.position = max(joint.low, min(joint.high, self.position))
             self.speed = 0.0
 
@@ -56,7 +59,7 @@ class Axis:
         error = target - self._profile_position
         fastest = min(speed_limit, joint.speed_limit)
         step_up = joint.acceleration_limit * dt_s
-        # The fastest speed from which the joint can still stop at the target, in whole steps.
+        # The highest speed from which the joint can still stop at the target, in whole steps.
         braking = math.sqrt(step_up * step_up / 4 + 2 * joint.acceleration_limit * abs(error)) - step_up / 2
         wanted = math.copysign(min(fastest, braking), error)
         if (

@@ -10,14 +10,18 @@ from .words import Echo, WordPlant
 
 
 class LoopbackPlant(WordPlant):
-    """The first READ of every instance echoes its first WRITE, the second the second. Other READs count."""
+    """In every instance, the first READ echoes the first WRITE, and the second READ the second WRITE.
+
+    Other READs count.
+    """
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:
         for root in spec.roots if spec else ():
             self._attach(root, registers.data_bits)
 
     def _attach(self, instance: Instance, data_bits: int) -> None:
-        plain = instance.elements if instance.link.kind in ("memory", "tosnet") else ()  # others are no echo
+        # words of other links do not echo
+        plain = instance.elements if instance.link.kind in ("memory", "tosnet") else ()
         writes = [element for element in plain if element.access == "WRITE"]
         reads = [element for element in plain if element.access == "READ"]
         for write, read in zip(writes, reads, strict=False):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plant of a spec without one: every READ counts."""
+"""The plant of a spec that has no other: every READ counts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .words import WordPlant
 class RampPlant(WordPlant):
     """Every READ counts up at its own pace: signed ones from -1000 to 999, others from 0 to 1999.
 
-    The counters of a FIFO and the words of a double buffer stay as they are.
+    The counters of a FIFO and the words of a double buffer do not change.
     """
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:

@@ -17,8 +17,8 @@ from ..registers import Registers
 class RecordingPlant:
     """Sets every recorded READ to its value, at its time since the first sample.
 
-    At the end the last values stay, or with `loop` it begins again. `speed` 2.0 plays twice as fast. Writes
-    of the PC have no effect.
+    At the end, the last values stay. With `loop`, it begins again. `speed` 2.0 plays twice as fast. Writes of
+    the PC have no effect.
 
     A recording that was cut off is played as far as it goes. `notice` then says so.
     """
@@ -87,7 +87,7 @@ class RecordingPlant:
     def _set(self, sample: Sample) -> None:
         for path, value in sample.values.items():
             target = self._targets.get(path)
-            if target is None or value is None:  # a word of the PC's, or not a number
+            if target is None or value is None:  # a word that the PC writes, or a value that is not a number
                 continue
             element, codec = target
             for address, word in zip(element.addresses, codec.split(codec.encode(value)), strict=True):

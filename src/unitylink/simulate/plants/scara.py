@@ -43,7 +43,7 @@ class _Words:
 
 
 class ScaraPlant:
-    """Four joints, behind the first four instances of the spec with cpos, spd, pos_sp and spd_sp.
+    """Four joints behind the first four instances of the spec with cpos, spd, pos_sp and spd_sp.
 
     They start at zero. The plant is deterministic: it depends only on the registers and the number of steps.
     """
@@ -69,7 +69,7 @@ class ScaraPlant:
         registers = self._registers
         if registers is None:
             raise UnityLinkError("plant scara: step() before attach()")
-        # The further the forearm is stretched out, the heavier is the arm to turn.
+        # The further the forearm is stretched out, the heavier the arm is to turn.
         stretched = 0.75 + 0.25 * math.cos(math.radians(self.axes[1].position))
         for index, (axis, words) in enumerate(zip(self.axes, self._words, strict=False)):
             axis.step(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Any robot of position servos: a joint behind every instance that has a set-point and a position."""
+"""Any robot with position servos: a joint is behind every instance with a set-point and a position."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ from .axis import Axis, Joint
 
 @dataclass(frozen=True)
 class ServoNames:
-    """The names of the elements of one servo, side by side in an instance. The speeds may be missing."""
+    """The names of the elements of one servo, which are together in an instance.
+
+    The speeds may be missing.
+    """
 
     position: str
     set_point: str
@@ -37,9 +40,9 @@ class _Servo:
 class ServoPlant:
     """Every servo of the spec follows its set-point as `joint` says. It starts at zero.
 
-    Registers are in engineering units. Without a scale in the spec they count in steps of `step` (0.001: a
-    count is 1 mrad or 1 mm). The plant is deterministic: it depends only on the registers and the number of
-    steps.
+    Registers are in engineering units. Without a scale in the spec, they count in steps of `step` (with
+    0.001, a count is 1 mrad or 1 mm). The plant is deterministic: it depends only on the registers and the
+    number of steps.
     """
 
     period_s = 0.002

@@ -12,7 +12,9 @@ from ..registers import Registers
 
 
 class Ramp(NamedTuple):
-    """A word that counts from `low` over `span` values, `pace_hz` of them a second, then from `low` again."""
+    """A word that counts from `low` through `span` values, `pace_hz` of them a second, and then starts again
+    at `low`.
+    """
 
     address: int
     low: int
@@ -46,7 +48,7 @@ class WordPlant:
         """Choose ramps and echoes, in a subclass."""
 
     def step(self, time_s: float) -> None:
-        """Move on to `time_s` in Python, for a board that looks at every step."""
+        """Move on to `time_s` in Python, for a board that looks after every step."""
         registers = self._registers
         if registers is None:
             raise UnityLinkError("plant of words: step() before attach()")
@@ -60,8 +62,8 @@ class WordPlant:
     def ramp(self, element: Element, data_bits: int) -> None:
         """Let a READ count at a pace of its own, through negative values too if it is signed.
 
-        A truth value blinks, and an enumeration without gaps goes through its members. Other kinds stay as
-        they are, because a count would not be one of their values.
+        A truth value blinks. An enumeration without gaps goes through its members. Other kinds do not change,
+        because a count would not be one of their values.
         """
         kind = element.type
         width = data_bits if kind.bus else kind.width

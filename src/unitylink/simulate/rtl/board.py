@@ -15,7 +15,7 @@ from ..plant import AnyPlant
 from .build import Progress, build_model
 from .design import RtlDesign, design_of
 
-CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and it is enough for a robot
+CLOCK_HZ_DEFAULT = 1_000_000  # an ordinary machine runs this in real time, and it is enough for a robot
 
 
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
@@ -26,24 +26,25 @@ def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
 
 
 class RtlBoard(Board):
-    """A `Board` whose device is the VHDL that `unitylink generate --only vhdl` makes of `spec`, compiled.
+    """A `Board` whose device is the compiled VHDL that `unitylink generate --only vhdl` makes of `spec`.
 
         with RtlBoard(spec, plant=ScaraPlant()) as board, Link(board.url) as link:
             link.read(0x88)
 
-    The first build takes about half a minute. Later it comes from the cache ($XDG_CACHE_HOME/unitylink).
-    Device time is clocks over `configuration.clock_hz`, by default 1 MHz. Plants are stepped by it. It
-    follows real time. If the machine is too slow for that, `statistics.time_slipped_s` says how far it is
-    behind. The byte streams are behind the twin's physical layer, so `fifo`, `baud_hz` and `fifo_latency`
+    The first build takes about half a minute. Later boards come from the cache ($XDG_CACHE_HOME/unitylink).
+    Device time is clocks over `configuration.clock_hz`, by default 1 MHz. Plants are stepped by this time. It
+    follows real time. If the machine is too slow for this, `statistics.time_slipped_s` says how far the board
+    is behind. The byte streams are behind the twin's physical layer, so `fifo`, `baud_hz` and `fifo_latency`
     have the same effect there.
 
-    Words have one writer, as on an FPGA: a plant sets what the PC reads, and the PC sets the others.
+    Words have one writer, as on an FPGA. A plant sets the words that the PC reads, and the PC sets the
+    others.
 
-    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). It contains what
-    moves behind its words, or a `plant` does. By default it has no plant.
+    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). Then this design,
+    or a `plant`, contains what moves behind the words. By default it has no plant.
 
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
-    configuration has what the generated design lacks), and what Board raises.
+    generated design cannot have what the configuration asks for), and everything that Board raises.
     """
 
     def __init__(
@@ -59,19 +60,20 @@ class RtlBoard(Board):
     ) -> None:
         chosen = configuration if configuration is not None else rtl_configuration(spec)
         self._model = build_model(design if design is not None else design_of(spec, chosen), progress)
-        shown = spec if design is None or plant is not None else None  # a spec without a plant would get one
+        # with a spec but no plant, Board would add one
+        shown = spec if design is None or plant is not None else None
         super().__init__(shown, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:
         return _native.Board(self.configuration, endpoint, bind, self._model)
 
     def _power_up(self, spec: Spec) -> None:
-        """Do nothing: the design's reset has the initial values of the spec."""
+        """Do nothing, because the design's reset sets the initial values of the spec."""
 
     def set_online(self, online: bool) -> None:
-        """Raise UnityLinkError: only the twin has a model of the network."""
+        """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
 
     def damage_cycle(self) -> None:
-        """Raise UnityLinkError: only the twin has a model of the network."""
+        """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be damaged from here; the twin's can: use `sim:`")

@@ -42,16 +42,16 @@ _COMPILE = (
     "-std=c++20", "-fPIC", "-fvisibility=hidden", "-fno-gnu-unique", "-w",
     "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0",
 )  # fmt: skip
-_LINK = ("-shared", "-Wl,-Bsymbolic", "-pthread")  # two models in one program know nothing of each other
+_LINK = ("-shared", "-Wl,-Bsymbolic", "-pthread")  # so that two models in one program stay separate
 _SECONDS_MOST = 900.0
 _LINES_SHOWN = 20
 
 
 def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel:
-    """Return `design`, compiled. The first time takes about half a minute, then it comes from the cache.
+    """Return `design`, compiled. The first time takes about half a minute. Later it comes from the cache.
 
-    `progress` is called with what is being done, and with "" at the end. By default it is a line on stderr,
-    if that is a terminal. Raises ToolError.
+    `progress` gets the name of each step, and "" at the end. By default it is a line on stderr, if that is a
+    terminal. Raises ToolError.
     """
     tools = _Tools()
     say = progress if progress is not None else _on_terminal()
@@ -72,7 +72,7 @@ def _interface() -> Path:
 
 
 class _Tools:
-    """The programs that it needs. All are looked for before anything starts."""
+    """The programs that it needs. All of them are searched before anything starts."""
 
     def __init__(self) -> None:
         self.compiler = os.environ.get("CXX") or next(
@@ -167,7 +167,8 @@ def _compile(
     include = tools.verilator_include()
     flags = [*_COMPILE, *kind, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
     flags += ["-include", str(_interface())]  # the netlist calls unitylink_failed()
-    # All in one file: its headers take as long as a fifth of the rest. What runs only once need not be fast.
+    # All are compiled as one file, because the headers take a fifth of the remaining time. Code that runs
+    # only once need not be fast.
     made = sorted((folder / "made").glob("*.cpp"))
     once = [path for path in made if re.search("Slow|Syms|ConstPool", path.name)]
     often = [_HERE / "model.cpp", *(path for path in made if path not in once)]
@@ -212,8 +213,10 @@ def _silent(_text: str) -> None:
 
 
 def _on_terminal() -> Progress:
-    """Return a function that shows one changing line on stderr. It shows nothing if that is not a
-    terminal."""
+    """Return a function that shows one changing line on stderr.
+
+    It shows nothing if stderr is not a terminal.
+    """
     if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
         return _silent
     return lambda text: print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A cache of compiled gateware, by a hash of its sources."""
+"""A cache of compiled gateware. The key is a hash of its sources."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from unitylink.errors import ToolError
 from unitylink.resources import cache_folder
 
-KEPT = 64  # models, of 1 to 5 MB each; the least used ones are removed
+KEPT = 64  # models of 1 to 5 MB each; the least recently used ones are removed
 
 
 def cached(
@@ -26,9 +26,9 @@ def cached(
 ) -> Path:
     """Return the file for `key`. If there is none, or it is damaged, `build(path)` makes it.
 
-    Each `kind` of file has a folder of its own. Other programs that want to build it wait meanwhile, and then
-    find it. A file's name has its checksum, so a cut or changed one is noticed before it is loaded. Raises
-    ToolError if the folder cannot be written.
+    Each `kind` of file has a folder of its own. Other programs that want to build the same file wait
+    meanwhile. Then they find it. A file's name contains its checksum. So a cut or changed file is noticed
+    before it is loaded. Raises ToolError if the folder cannot be written.
     """
     folder = cache_folder(kind)
     try:
@@ -57,7 +57,7 @@ def cached(
 def _find(folder: Path, key: str, suffix: str) -> Path | None:
     for path in folder.glob(f"{key}-*{suffix}"):
         if path.stem == f"{key}-{_checksum(path)}":
-            with suppress(OSError):  # of another user, or just removed
+            with suppress(OSError):  # it belongs to another user, or was just removed
                 os.utime(path)
             return path
         path.unlink(missing_ok=True)

@@ -16,18 +16,19 @@ from unitylink.spec.model import Spec
 
 _HERE = Path(__file__).parent
 LATENCY_MS = 16  # how long a new FTDI chip waits for more bytes
-# Physical layers that are simulated -> what is at the other end of their wires. Its streams are the board's;
-# the SPI master's are a byte in for each byte out, and those of rs485 what a UART of ours hears on the pair.
+# Physical layers that are simulated -> the model at the other end of their wires. The streams of this model
+# are the board's. The SPI master takes a byte for each byte that it gives. For rs485, the stream has what a
+# UART of ours hears on the pair.
 BEHIND = {"ft245_async": "ft245_chip.vhd", "spi": "spi_master.vhd", "rs485": None}
 
 
 @dataclass(frozen=True)
 class RtlDesign:
-    """An entity `top` and the VHDL that the gateware has not: `files`, name to text.
+    """An entity `top` and the VHDL that the gateware lacks: `files`, name to text.
 
-    Its ports: clock, reset, rx_valid, rx_ready, rx_data, rx_error, tx_valid, tx_ready, tx_data, events (a bit
-    a group), read_words and write_words (32 bits an address, in the order of the addresses here). The last
-    three may be missing. Further inputs are held low, further outputs ignored.
+    Its ports are clock, reset, rx_valid, rx_ready, rx_data, rx_error, tx_valid, tx_ready, tx_data, events
+    (one bit for each group), read_words and write_words (32 bits for each address, in the order of the
+    addresses here). The last three may be missing. Further inputs are held low. Further outputs are ignored.
     """
 
     top: str
@@ -40,8 +41,8 @@ class RtlDesign:
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     """Return the design that `unitylink generate --only vhdl` makes of `spec`. Raises BindingError.
 
-    A physical layer of `BEHIND` is put in front of it, with the far end of its wires. Other layers are
-    omitted, and the byte streams are the design's own.
+    A physical layer of `BEHIND` is put in front of it, with a model of the other end of its wires. Other
+    layers are left out. Then the byte streams are those of the design itself.
     """
     plan = SpecPlan(spec, configuration)
     (design,) = plan.part(plan_designs)
@@ -49,7 +50,7 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     files = {
         name.rpartition("/")[2]: text
         for name, text in planned_files(plan, ["vhdl"]).items()
-        if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
+        if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without the files around the design
     }
     if configuration.physical in BEHIND:
         top = f"{design.name}_behind_{configuration.physical}"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Make a netlist cheaper to simulate, without changing what it does.
 
-GHDL takes records and vectors apart and joins them again, bit by bit. On an FPGA these are only wires. In
-compiled code each step costs instructions in every clock.
+GHDL divides records and vectors into bits and joins them again. On an FPGA these are only wires. In compiled
+code, each step costs instructions in every clock.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ _ASSIGN = re.compile(r"^  assign (\w+) = (.+?);(.*)$", re.MULTILINE)
 _CONSTANT = re.compile(r"^  localparam \[(\d+):0\] (\w+) = (.+?);", re.MULTILINE)
 _SAME = re.compile(r"^  always @\*\n    (\w+) = (\w+); // \(isignal\)$", re.MULTILINE)
 _REGISTER = re.compile(r"^  always @\((posedge \w+)\)\n    (\w+) <= (\w+);", re.MULTILINE)
-# A memory, which has a second range behind its name, is none of these.
+# A memory is none of these. It has a second range after its name.
 _WIDTH = re.compile(r"^[ (]*(?:input|output|wire|reg) +(?:\[(\d+):0\] +)?(\w+)(?=[;,)])", re.MULTILINE)
 _NAME = re.compile(r"(?<![\w'$])[A-Za-z_]\w*")
 _LITERAL = re.compile(r"\d+'b([01Xx]+)")
@@ -24,12 +24,12 @@ _CHOICE = re.compile(r"(\w+) \? ([\w']+) : ([\w']+)")
 _PAIR = re.compile(r"([\w']+) ([&|^]) ([\w']+)")
 _NOT = re.compile(r"~(\w+)")
 _NUMBER_BITS = 64
-_WORTH = 4  # bits, from which on it is less work to do the same with all of them at once
-_CHOICES_MOST = 8  # one in another, of what a register takes
+_WORTH = 4  # from so many bits on, one operation for all of them is less work
+_CHOICES_MOST = 8  # the most nested choices of what a register takes
 
-Bit = tuple[str, int]  # a wire, and which of its bits
-Term = tuple[str, Union[int, None], bool]  # a wire, which of its bits if it has several, and what that is
-Bits = tuple[str, ...]  # wires of one bit, and constants; the lowest first
+Bit = tuple[str, int]  # (wire, index of its bit)
+Term = tuple[str, Union[int, None], bool]  # (wire, index of its bit or None, value of the bit)
+Bits = tuple[str, ...]  # wires of one bit, and constants, with the lowest first
 
 
 def lean(netlist: str) -> str:
@@ -39,7 +39,7 @@ def lean(netlist: str) -> str:
 
 
 class _Module:
-    """A module as GHDL prints it: each wire has a name, and a definition of one operation."""
+    """A module as GHDL prints it. Each wire has a name, and a definition with one operation."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -51,7 +51,7 @@ class _Module:
         self._name_once()
         self._parts: dict[tuple[str, int, int], str] = {}
         self._wholes: dict[Bits, str | None] = {}
-        self._choices: list[tuple[str, str]] = []  # wires that are new: declaration, definition
+        self._choices: list[tuple[str, str]] = []  # new wires: (declaration, definition)
 
     def lean(self) -> str:
         text = _ASSIGN.sub(lambda one: f"  assign {one[1]} = {self._less(one[1])};{one[3]}", self._text)
@@ -72,12 +72,12 @@ class _Module:
                 bits = tuple(reversed(joined[1].split(", ")))
                 if _WORTH <= len(bits) == self._width.get(name):
                     return self._whole(bits) or definition
-        except RecursionError:  # hundreds of choices, one in another: as it is, it is right as well
+        except RecursionError:  # there are hundreds of nested choices; unchanged, the module is also correct
             pass
         return definition
 
     def _name_once(self) -> None:
-        """Let wires that are made in the same way be other names of one of them."""
+        """If wires are made in the same way, let them all be names of one of them."""
         named = True
         while named:
             first: dict[tuple[str, int], str] = {}
@@ -96,12 +96,12 @@ class _Module:
             name = same
         return name
 
-    # A part of what was joined, like a field of a record, is one of the parts that went in.
+    # A part of joined bits, like a field of a record, is one of the parts that were joined.
 
     def _part(self, name: str, high: int, low: int) -> str:
         key = (name, high, low)
         if key not in self._parts:
-            self._parts[key] = _sliced(*key)  # to whom a loop leads back here
+            self._parts[key] = _sliced(*key)  # the result for a loop that leads back here
             self._parts[key] = self._new_part(name, high, low)
         return self._parts[key]
 
@@ -119,7 +119,7 @@ class _Module:
         if (joined := _JOINED.fullmatch(definition)) and name in self._width:
             return self._part_of_joined(joined[1].split(", "), high, low)
         if (choice := _CHOICE.fullmatch(definition)) and self._width.get(name, 0) > _NUMBER_BITS:
-            fresh = f"{name}__{high}_{low}"  # what is no name in VHDL
+            fresh = f"{name}__{high}_{low}"  # such a name cannot exist in VHDL
             self._width[fresh] = high + 1 - low
             either, other = self._part(choice[2], high, low), self._part(choice[3], high, low)
             self._is[fresh] = f"{choice[1]} ? {either} : {other}"
@@ -138,12 +138,12 @@ class _Module:
             below = above
         return found[0] if len(found) == 1 else "{" + ", ".join(reversed(found)) + "}"
 
-    # The same operation for each bit is one on vectors.
+    # The same operation on each bit is one operation on vectors.
 
     def _whole(self, bits: Bits) -> str | None:
-        """Return an expression for `bits` together, or None if they are not made in the same way."""
+        """Return an expression for all of `bits` together, or None if they are not made in the same way."""
         if bits not in self._wholes:
-            self._wholes[bits] = None  # to whom a loop leads back here
+            self._wholes[bits] = None  # the result for a loop that leads back here
             self._wholes[bits] = self._runs(bits) or self._operation(bits)
         return self._wholes[bits]
 
@@ -152,7 +152,7 @@ class _Module:
         return (self._origin(part[1]), int(part[2])) if part and part[3] is None else None
 
     def _runs(self, bits: Bits) -> str | None:
-        """Return `bits` as a few pieces: parts of vectors, a wire many times, or constants."""
+        """Return `bits` as a few pieces: parts of vectors, a repeated wire, or constants."""
         pieces: list[str] = []
         at = 0
         while at < len(bits):
@@ -182,7 +182,7 @@ class _Module:
         return pieces[0] if len(pieces) == 1 else "{" + ", ".join(reversed(pieces)) + "}"
 
     def _operation(self, bits: Bits) -> str | None:
-        """Return the operation by which each of `bits` is made, on vectors."""
+        """Return the operation that makes each of `bits`, as one operation on vectors."""
         made = [self._is.get(self._origin(name), "") for name in bits]
         if of_one := _taken_apart(_NOT, made):
             whole = self._whole(of_one[0])
@@ -231,7 +231,7 @@ class _Module:
         return f"({conditions} ? {moved} : {len(bits)}'b0)" if common else moved
 
     def _terms(self, name: str) -> frozenset[Term]:
-        """Return what has to be so, all of it, for `name` to be 1."""
+        """Return the conditions that must all hold for `name` to be 1."""
         name = self._origin(name)
         definition = self._is.get(name, "")
         if (pair := _PAIR.fullmatch(definition)) and pair[2] == "&":
@@ -244,7 +244,7 @@ class _Module:
         place = self._bit(name)
         return frozenset({(*place, True) if place else (name, None, True)})
 
-    # A wide register that keeps what it has is left alone, instead of taking its own value.
+    # A wide register that keeps its value is left alone. It does not take its own value.
 
     def _held(self, register: re.Match[str]) -> str:
         edge, name, value = register.groups()
@@ -253,7 +253,10 @@ class _Module:
         return f"  always @({edge})\n    {self._taking(name, value, _CHOICES_MOST) or ';'}"
 
     def _taking(self, register: str, value: str, choices: int) -> str:
-        """Return the statement by which `register` gets `value`. "" if it has it."""
+        """Return the statement with which `register` takes `value`.
+
+        Return "" if the register keeps its value.
+        """
         value = self._origin(value)
         if value == register:
             return ""
@@ -268,7 +271,10 @@ class _Module:
 
 
 def _taken_apart(pattern: re.Pattern[str], definitions: list[str]) -> list[Bits] | None:
-    """Return the groups of `pattern`, each of all `definitions`. None if one is of another form."""
+    """Match `pattern` against all `definitions`. Return the matches of each of its groups.
+
+    Return None if a definition has another form.
+    """
     matches = [match for text in definitions if (match := pattern.fullmatch(text))]
     if len(matches) < len(definitions):
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The Verilog for Verilator: a prepared netlist in a module whose inputs are registers."""
+"""The Verilog for Verilator: a prepared netlist, in a module whose inputs are registers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ _CASE = re.compile(
 _ARM = re.compile(r"'b([01]+): ([^;]+;)")
 _CLOCK = re.compile(r"\bclock\b|\bnegedge\b|\bposedge\b")
 _ONLY_CLOCKS = re.compile(r"posedge clock\b|\binput +clock\b|\.clock\(clock\)")
-# Words and the clock go straight in: a board has many words, and copying them would cost every clock.
+# Words and the clock have no registers. A board has many words, and copying them would cost time in every
+# clock.
 _STRAIGHT = ("clock", "read_words")
 _STREAMS = {
     "clock": 1,
@@ -38,7 +39,7 @@ _STREAMS = {
 
 
 def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
-    """Return the ports of the module `top`. ToolError if it is absent or has no byte streams."""
+    """Return the ports of the module `top`. Raises ToolError if it is absent or has no byte streams."""
     ports = ports_of(netlist, top)
     found = {port.name: port.bits for port in ports}
     if missing := [f"{name} ({bits} bits)" for name, bits in _STREAMS.items() if found.get(name) != bits]:
@@ -49,9 +50,9 @@ def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
 def model_of(netlist: str, top: str) -> str:
     """Return `netlist` with a module `model` around `top`.
 
-    The inputs of `model` end in `_next`, and a register takes them over. Then no logic depends on an input,
+    The inputs of `model` end in `_next`, and registers take them. So no logic depends directly on an input,
     and Verilator computes a clock once instead of three times. If `either_edge_will_do`, each edge of the
-    clock is one of the design's clocks. An assertion of the VHDL calls unitylink_failed().
+    clock is one of the design's clocks. A failing assertion of the VHDL calls unitylink_failed().
     """
     design = with_plain_choices(with_named_assertions(lean(netlist)))
     edge = "posedge clock"
@@ -102,10 +103,11 @@ def with_named_assertions(netlist: str) -> str:
 
 
 def with_plain_choices(netlist: str) -> str:
-    """Turn cases over joined bits, one of which is set, into one question after the other.
+    """Turn cases over joined bits, of which one is set, into a chain of conditions.
 
-    GHDL makes such cases of every case and selected assignment of the VHDL. Their choices exclude each other.
-    Verilator would join the bits and compare them with every arm at every clock. That is half of its work.
+    GHDL makes such cases from every case statement and selected assignment of the VHDL. Their choices exclude
+    each other. Verilator would join the bits and compare them with every choice in every clock. That would be
+    half of its work.
     """
     end = "endmodule"
     return end.join(_with_plain_choices(module) for module in netlist.split(end))

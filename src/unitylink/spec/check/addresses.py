@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks of the addresses of a spec whose names are all right."""
+"""Checks of the addresses of a spec. All of its names are already right."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from ..report.diagnostics import Reporter
 from .blocks import check_blocks, check_windows
 from .publishes import check_publishes
 
-_Device = tuple[str, "str | None"]  # public constructor and its COMM: one address space, one set of groups
+# (public constructor, its COMM): these share one address space and one set of groups
+_Device = tuple[str, "str | None"]
 
-_FIFO_WORDS = 3  # data, words waiting for the PC, room for the PC's
+_FIFO_WORDS = 3  # data, words that wait for the PC, room for words from the PC
 
 
 def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
@@ -38,13 +39,13 @@ def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporte
 
 
 def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
-    """One diagnostic for each pair of statements, because a copied expansion is one mistake."""
+    """There is one diagnostic for each pair of statements, because a copied expansion is one mistake."""
     first: dict[tuple[_Device, int], list[Placed]] = {}
     pairs: dict[tuple[str, int, int], tuple[Placed, Placed, int]] = {}
     for one in placed:
         element = one.element
         device = (one.root, element.link.comm)
-        met: set[int] = set()  # values of several words overlap in several
+        met: set[int] = set()  # values of several words overlap in several places
         for address in element.addresses:
             earlier_ones = first.setdefault((device, address), [])
             for earlier in earlier_ones:
@@ -63,8 +64,10 @@ def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
 
 
 def _may_share(one: Element, other: Element) -> bool:
-    """May two elements have one address? A strobe keeps nothing, so a READ at its address is a separate
-    value."""
+    """May two elements share one address?
+
+    A strobe keeps nothing, so a READ at its address is a separate value.
+    """
     if one.readable == other.readable or one.writable == other.writable:
         return False
     return "PULSE" in (one.access, other.access)
@@ -92,7 +95,7 @@ def _report_overlap(code: str, earlier: Placed, one: Placed, count: int, reporte
 
 
 def _check_links(placed: Sequence[Placed], links: Mapping[str, Link], reporter: Reporter) -> None:
-    several = len(links) > 2  # the declared ones, and "" for the default
+    several = len(links) > 2  # more than one declared link, beside "" for the default
     chosen: dict[_Device, tuple[str, Placed]] = {}
     for one in placed:
         element, name = one.element, one.element.link.link
@@ -129,7 +132,7 @@ def _check_double_buffer(one: Placed, reporter: Reporter) -> None:
 
 
 def _check_fifo(one: Placed, reporter: Reporter) -> None:
-    """+0 is the queue itself, +1 how many words wait for the PC, +2 the room for the PC's."""
+    """+0 is the queue itself, +1 is how many words wait for the PC, +2 is the room for words from the PC."""
     element = one.element
     offset = element.addresses[-1] - element.link.base
     if offset >= _FIFO_WORDS:
@@ -180,7 +183,7 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
 
 
 def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter: Reporter) -> None:
-    """An event with a dot in its name is one of a component or a FIFO."""
+    """An event with a dot in its name belongs to a component or a FIFO."""
     known: dict[str, set[str]] = {}
     for one in placed:
         publish = one.element.publish

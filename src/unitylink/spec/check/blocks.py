@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether blocks of addresses hold all of their own elements, and nothing else."""
+"""Check that each block of addresses holds all of its own elements, and no others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..report.diagnostics import Reporter
 
 
 def check_blocks(blocks: Sequence[Block], placed: Sequence[Placed], reporter: Reporter) -> None:
-    """Report elements outside their constructor's block or in a foreign one, and blocks that overlap."""
+    """Report elements outside of their constructor's block or in another one's, and blocks that overlap."""
     if not blocks:
         return
     own = {(block.root, block.path): block for block in blocks}
@@ -43,7 +43,7 @@ def check_blocks(blocks: Sequence[Block], placed: Sequence[Placed], reporter: Re
 
 
 def check_windows(placed: Sequence[Placed], reporter: Reporter) -> None:
-    """Report FIFOs and double buffers that overlap, and elements of others among their words."""
+    """Report FIFOs and double buffers that overlap, and other elements among their words."""
     windows: dict[tuple[object, ...], Block] = {}
     for one in placed:
         if one.element.link.kind in ("fifo", "double_buffer"):
@@ -54,7 +54,7 @@ def check_windows(placed: Sequence[Placed], reporter: Reporter) -> None:
     for one in placed if blocks else ():
         element, own = one.element, windows.get(_window_of(one))
         if own is not None and id(own) not in apart:
-            continue  # reported as a whole
+            continue  # already reported as a whole
         for block in _around(outer.get((one.root, element.link.comm), []), element.addresses):
             if block is not own:
                 message = f"`{element.path}` lies at 0x{element.address:X}, among the words of `{block.path}`"
@@ -69,7 +69,7 @@ def _window_of(one: Placed) -> tuple[object, ...]:
 
 
 def _window(one: Placed) -> Block:
-    """Return the words of the FIFO or double buffer an element lies in."""
+    """Return the words of the FIFO or double buffer in which an element is."""
     link, path = one.element.link, one.element.path.rpartition(".")[0]
     at = one.address
     return Block(one.root, link.comm, path, link.base, link.words, 0, 0, at.start, at.end, component=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the gateware can publish what a spec asks for."""
+"""Check that the gateware can publish what a spec asks for."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from ..isochrony.latency import BITS_PER_BYTE, publishes_of
 from ..model import Device, Element, Instance, Link, SubscriptionGroup
 from ..report.diagnostics import Reporter
 
-# The 2012 gateware never stops publishing a group that is filled to its advertised size.
+# The 2012 gateware never stops publishing a group that is filled to its stated size.
 _USABLE_2012 = protocol.GROUP_SIZE_2012 - 1
 
 
 def check_publishes(roots: tuple[Instance, ...], links: Mapping[str, Link], reporter: Reporter) -> None:
-    """Report groups that are too large or too many, and named ones that have no one moment.
+    """Report groups that are too large or too many.
+
+    Also report named groups whose values cannot be of one moment.
 
     The limits of the 2012 gateware matter only without a declared link. A declared link has gateware of its
     own.
@@ -78,7 +80,10 @@ def _check_size(group: SubscriptionGroup, classic: bool, reporter: Reporter) -> 
 
 
 def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -> None:
-    """Report publishes that no frame can carry. A rate may have several publishes of one tick."""
+    """Report publishes that no frame can carry.
+
+    For one rate, there may be several publishes in the same tick.
+    """
     words = len(group.addresses)
     most = publishes_of(words, data_bits, "framed")[0]
     if group.trigger == "rate" or not most < words <= protocol.GROUP_SIZE_MAX:
@@ -89,7 +94,7 @@ def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -
 
 
 def _beyond(group: SubscriptionGroup, words: int) -> Element:
-    """Return the element with which the group gets too many words."""
+    """Return the element that makes the group too large."""
     for element in group.elements:
         words -= element.words
         if words < 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parts of a spec without errors that have no effect."""
+"""Report parts of a spec that have no effect. The spec has no errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..text.syntax import ConstantNode, LinkNode, Name
 
 
 def check_notes(tokens: Tokens, reporter: Reporter) -> None:
-    """Report `///` comments beside no declaration. The parser has taken the others."""
+    """Report `///` comments that are beside no declaration. The parser has already taken the others."""
     for start, end in tokens.comments if tokens.documentation or tokens.trailing else ():
         if reporter.sources.first.text.startswith("///", start):
             after = bisect_right(tokens.starts, start)
@@ -25,9 +25,11 @@ def check_notes(tokens: Tokens, reporter: Reporter) -> None:
 
 
 def check_unused(scopes: Scopes, roots: Sequence[Instance], own: int, reporter: Reporter) -> None:
-    """Report parts without effect. Call it for a spec without errors, where nothing is unused by accident.
+    """Report parts without effect.
 
-    Only the first `own` constructors are of the main file: of an imported one not all needs to be used.
+    Call it only for a spec without errors. In such a spec, nothing is unused by accident.
+
+    Only the first `own` constructors belong to the main file. An imported file need not be used as a whole.
     """
     for root in roots:
         _check_groups(root, reporter)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finding room for blocks of addresses that nothing binds.
+"""Find room for blocks of addresses that the spec does not bind.
 
-Each block gets a power of two of words at a multiple of it, the first that is free in its device, in the
-order of the text: decoding it costs a comparison, and a block added at the end moves none before it.
+Each block gets a power of two of words, at a multiple of this number. It is the first free place in its
+device, in the order of the text. So decoding it costs one comparison, and a block that is added at the end
+moves no earlier one.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ _Device = tuple[str, "str | None"]
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive words of one instance. The text asks for them at `start` to `end`."""
+    """Consecutive words of one instance. `start` to `end` is the place in the text that asks for them."""
 
     root: str
     comm: str | None
     path: str
-    first: int | None  # None: not bound
+    first: int | None  # None if it is not bound
     words: int
-    lowest: int  # it may not lie below this
-    limit: int  # nor at or above this
+    lowest: int  # the lowest address that it may have
+    limit: int  # the first address that it may not have
     start: int
     end: int
     component: bool
@@ -38,7 +39,7 @@ class Block:
 
 
 class Occupied:
-    """Which addresses of a device are taken, as ranges in rising order that do not touch."""
+    """The addresses of a device that are taken, as ranges in rising order that do not touch."""
 
     def __init__(self) -> None:
         self._starts: list[int] = []
@@ -55,7 +56,7 @@ class Occupied:
         self._ends[low:high] = [end]
 
     def room(self, words: int, lowest: int, limit: int) -> int | None:
-        """Return the first free multiple of `words` from `lowest` on so that all lies below `limit`."""
+        """Return the first free multiple of `words` from `lowest` on. All words must be below `limit`."""
         at = -(-lowest // words) * words
         position = bisect_right(self._ends, at)
         while position < len(self._starts) and self._starts[position] < at + words:
@@ -67,7 +68,7 @@ class Occupied:
 def allocate(
     blocks: Sequence[Block], taken: Iterable[tuple[_Device, int, int]], reporter: Reporter
 ) -> dict[tuple[str, str], int]:
-    """Return (root, path) -> first address of every unbound block. `taken` are (device, first, words)."""
+    """Return (root, path) -> first address of every unbound block. `taken` has (device, first, words)."""
     devices: dict[_Device, Occupied] = {}
     for device, first, words in taken:
         devices.setdefault(device, Occupied()).take(first, words)

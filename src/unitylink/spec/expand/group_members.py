@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Resolves the paths of groups, while one public constructor is expanded."""
+"""Resolves the paths of groups while one public constructor is expanded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..meaning.notes import annotations_of
 from ..model import Element, Group, Instance, Member
 from ..text.syntax import GroupNode, Step
 
-Found = dict[str, list[Member]]  # by the name as declared: an array's has all of it
+Found = dict[str, list[Member]]  # by the declared name; that of an array has all members of the array
 
 
 class GroupMaker:
@@ -26,12 +26,12 @@ class GroupMaker:
         self._by_constructor: dict[str, dict[str, list[Instance]]] = {}
 
     def clear(self) -> None:
-        """Forget the instances: another public constructor comes."""
+        """Forget the instances, because another public constructor comes."""
         self.members.clear()
         self._by_constructor.clear()
 
     def add(self, waiting: Sequence[GroupNode], path: str, names: Mapping[str, Value]) -> None:
-        """Make the groups of the instance at `path`. A group that lists another is made after it."""
+        """Make the groups of the instance at `path`. A group that lists another group is made after it."""
         found = self.members[path]
         of_groups = {node.name.text for node in waiting}
         needed = {
@@ -94,7 +94,7 @@ class GroupMaker:
         return elements
 
     def _at_index(self, step: Step, found: list[Member], names: Mapping[str, Value]) -> list[Member]:
-        assert step.index is not None  # the caller looked
+        assert step.index is not None  # the caller has checked it
         if not found:
             return []
         what = f"the index of `{step.name.text}`"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From TOSNET, MEMORY, DOUBLE_BUFFER and FIFO as they are written to the hardware proxy of an instance."""
+"""From the TOSNET, MEMORY, DOUBLE_BUFFER or FIFO of a spec to the hardware proxy of an instance."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ..meaning.scope import ADDRESS_MAX, Scope
 from ..model import LinkBinding
 from ..text.syntax import Number, Property
 
-_DEPTH_DEFAULT = 16  # words of a FIFO whose DEPTH is not given
-_SIZE_MAX = 1 << 20  # words of a double buffer
+_DEPTH_DEFAULT = 16  # words of a FIFO without a DEPTH
+_SIZE_MAX = 1 << 20  # the most words of a double buffer
 _DEPTH_MAX = 1 << 16
 
 
 def bind_link(
     scope: Scope, outer: LinkBinding, names: Mapping[str, Value], evaluator: Evaluator
 ) -> LinkBinding:
-    """Return the proxy of an instance. Missing properties come from `outer`, except BASE, which is 0."""
+    """Return the proxy of an instance. Missing properties come from `outer`, except BASE, which is then 0."""
     node = scope.link_kind
-    assert node is not None  # the caller looked
+    assert node is not None  # the caller has checked it
     objects: dict[str, str | None] = {"CTRL": outer.ctrl, "COMM": outer.comm}
     for key in objects:
         one = scope.link_property(key)
@@ -62,6 +62,6 @@ def _number(
         return default
     part = given.argument.parts[0]
     if isinstance(part, Number) and part.value > ADDRESS_MAX:
-        return default  # reported with the constructor
+        return default  # already reported with the constructor
     value = evaluator.integer(given.argument, names, given.key, *limits)
     return default if value is None else value

@@ -21,7 +21,10 @@ class Parameters:
         self.evaluator = evaluator
 
     def of_public(self, scope: Scope) -> dict[str, Value]:
-        """Return the values for a public constructor: nothing gives it any, so a string is its own name."""
+        """Return the values for a public constructor.
+
+        Nobody gives it arguments, so a string is its own name.
+        """
         values: dict[str, Value] = {}
         for one in scope.node.parameters:
             if one.text in scope.runtime:
@@ -42,7 +45,7 @@ class Parameters:
     def given(
         self, node: ExpansionNode, callee: Scope, names: Mapping[str, Value]
     ) -> dict[str, Value] | None:
-        """Return the values of an expansion's parameters. None after a diagnostic."""
+        """Return the values of an expansion's parameters. Return None after a diagnostic."""
         values: dict[str, Value] = {}
         for parameter, argument in matched(callee.node.parameters, node.arguments):
             value = self._typed(parameter, argument, names, node.callee.text)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which values are published together: the compiler's table of subscription groups, one table a device.
+"""Which values are published together: the compiler's tables of subscription groups, one table for each
+device.
 
-Hardware publishes of one device with the same trigger, rate and group name are one group and one snapshot.
+Hardware publishes of one device with the same trigger, rate and group name form one group and one snapshot.
 Groups are numbered in the order of their first element. The number is also that of the gateware's group and
-of its event line. So gateware, twin and PC agree without asking.
+of its event line. So gateware, twin and PC agree without any exchange.
 """
 
 from __future__ import annotations
@@ -13,12 +14,15 @@ from typing import TypeVar
 
 from ..model import Device, Element, Instance, Link, Publish, SubscriptionGroup
 
-_Key = tuple[str, int, str, str]  # trigger, divisor, event, name
+_Key = tuple[str, int, str, str]  # (trigger, divisor, event, name)
 _Value = TypeVar("_Value")
 
 
 def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Device, ...]:
-    """Return the devices of a spec in the order of the text. `links` has "" for bindings that name none."""
+    """Return the devices of a spec in the order of the text.
+
+    `links` has the key "" for bindings that name no link.
+    """
     found: dict[tuple[str, str | None], tuple[Link, dict[_Key, list[Element]]]] = {}
     for root in roots:
         for element in root.walk():
@@ -35,7 +39,9 @@ def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Dev
 
 
 def split(values: Iterable[_Value], words_of: Callable[[_Value], int], most: int) -> list[tuple[_Value, ...]]:
-    """Return values in groups of a gateware that carry `most` words: filled in order, no value torn.
+    """Divide values into the gateware's groups of at most `most` words.
+
+    They are filled in order, and no value is divided.
 
     >>> split(["a", "b", "c"], lambda value: 2, 5)
     [('a', 'b'), ('c',)]
@@ -60,7 +66,7 @@ def key_of(publish: Publish) -> _Key:
 def _group(number: int, key: _Key, elements: list[Element]) -> SubscriptionGroup:
     trigger, divisor, event, name = key
     first = elements[0].publish
-    assert first is not None  # it was put into the table by its publish
+    assert first is not None  # its publish put it into the table
     if not name:
         name = f"{first.rate_hz:g} Hz" if trigger == "rate" else f"on {event or trigger}"
     return SubscriptionGroup(number, name, trigger, divisor, first.rate_hz, event, tuple(elements))

@@ -32,12 +32,12 @@ class Placed:
     root: str
     element: Element
     address: Number
-    statement: int  # where the member that gave the address starts
+    statement: int  # start of the member that gave the address
 
 
 @dataclass
 class _Frame:
-    """One expansion under way."""
+    """One expansion that is being made."""
 
     scope: Scope
     path: str
@@ -49,11 +49,14 @@ class _Frame:
 
 
 class _TooMany(Exception):
-    """Too much is expanded. A diagnostic was given."""
+    """The expansion is too large. A diagnostic has been given."""
 
 
 class Resolver:
-    """Expands the public constructors of a program. `roots` are instances, `placed` all their elements."""
+    """Expands the public constructors of a program.
+
+    `roots` are instances, and `placed` has all their elements.
+    """
 
     def __init__(
         self, program: Program, declared: Declared, links: Mapping[str, Link], scopes: Scopes
@@ -87,7 +90,7 @@ class Resolver:
                 ((p.root, p.element.link.comm), p.element.address, p.element.words) for p in self.placed
             ] + self._windows()
             self._allocated = allocate(self.blocks, taken, self.reporter)
-            self._expand_roots(ready)  # again, for now every address is known
+            self._expand_roots(ready)  # again, because now every address is known
         self._vectors.report_lengths()
 
     # --- roots ----------------------------------------------------------------------------------------------
@@ -136,7 +139,7 @@ class Resolver:
                 self._expand_root(scope)
             except _TooMany:
                 self._report_too_many(scope.node.name, f"more than {MAX_ITEMS:,}")
-                self.placed.clear()  # a part of it shows nothing
+                self.placed.clear()  # an incomplete expansion shows nothing
                 self.blocks.clear()
                 return
 
@@ -240,7 +243,7 @@ class Resolver:
         return made
 
     def _count(self, frame: _Frame, node: ElementNode | ExpansionNode) -> int:
-        assert node.count is not None  # the caller looked
+        assert node.count is not None  # the caller has checked it
         return self.evaluator.integer(node.count, frame.names, "the size of an array", 1, MAX_ITEMS) or 0
 
     def _instance(
@@ -265,7 +268,7 @@ class Resolver:
                 continue
             if len(vector.numbers) == 1:
                 address = vector.numbers[0].value
-                assert isinstance(address, int)  # an address was made of it
+                assert isinstance(address, int)  # an address was made from it
                 values[text] = address
             else:
                 self._vectors.note_length((callee.node.name.text, text), vector, False, user)
@@ -285,7 +288,7 @@ class Resolver:
     def _place_block(self, frame: _Frame, node: ExpansionNode) -> None:
         """Note the block of an instance. An unbound block goes where there is room."""
         head = frame.scope.node
-        assert head.block is not None  # the caller looked
+        assert head.block is not None  # the caller has checked it
         what = f"the number of words of `{head.name.text}`"
         words = self.evaluator.integer(head.block, frame.names, what, 1, 1 << 20)
         if words is None:
@@ -319,7 +322,7 @@ class Resolver:
         self.blocks.append(frame.block)
 
     def _windows(self) -> list[tuple[tuple[str, str | None], int, int]]:
-        """Return the windows of TosNet, FIFOs and double buffers: nothing else may lie there."""
+        """Return the windows of TosNet, FIFOs and double buffers, in which nothing else may be."""
         links = {
             ((p.root, p.element.link.comm), p.element.link.base, p.element.link.words)
             for p in self.placed
@@ -359,7 +362,7 @@ class Resolver:
             number, statement = self._vectors.address(node.fixed, names), node.name.start
         else:
             vector = frame.vectors.get(node.name.text)
-            if vector is None:  # of a block for which room is still to be found
+            if vector is None:  # it belongs to a block for which room is still to be found
                 return None
             fits = len(vector.numbers) == 1
             key = (frame.scope.node.name.text, node.name.text)
@@ -367,7 +370,7 @@ class Resolver:
             number, statement = (vector.numbers[0] if fits else None), vector.statement
         if number is None:
             return None
-        assert isinstance(number.value, int)  # an address was made of it
+        assert isinstance(number.value, int)  # an address was made from it
         path = f"{frame.path}.{name}" if frame.path else name
         display = self._display(node, names, path)
         known = self._elements.read(node, names, self._link_of(frame.link))
@@ -375,7 +378,8 @@ class Resolver:
             return None
         address = frame.link.base + number.value
         if index and not (node.fixed is not None and any(one.text == INDEX for one in names_of(node.fixed))):
-            address += index * known.words  # an array lies in consecutive words unless its address says where
+            # an array has consecutive words, unless its address uses the index
+            address += index * known.words
         if address + known.words - 1 > ADDRESS_MAX:
             message = f"with BASE 0x{frame.link.base:X} this address is 0x{address:X}, beyond 32 bits"
             hint = f"the largest is 0x{ADDRESS_MAX:X}"
@@ -410,13 +414,13 @@ class Resolver:
             index,
         )
         start, end = self.reporter.place(number.start, number.end)
-        if start != number.start:  # an element of a component: whoever uses it gave the address
+        if start != number.start:  # an element of a component: the user of the component gave the address
             number = replace(number, start=start, end=end)
         self.placed.append(Placed(self._root, element, number, statement))
         return element
 
     def _event(self, frame: _Frame, event: str) -> str:
-        """An event of the component or FIFO itself, or of one below, gets its whole path. Others stay."""
+        """An event of the component or FIFO itself, or of one below it, gets its whole path. Others stay."""
         if frame.component is not None and event in frame.component.events:
             return f"{frame.path}.{event}"
         if event == frame.link.event_at(""):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The addresses that are bound to a constructor's names, and how many each must have."""
+"""The addresses that are bound to a constructor's names, and how many each name needs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..text.syntax import Binding, ExpansionNode, Expression, Name, Number
 
 @dataclass(frozen=True)
 class Vector:
-    """Bound addresses. `start` to `end` is the binding, `statement` the member around it."""
+    """Bound addresses. `start` to `end` is the binding, and `statement` is the member around it."""
 
     numbers: list[Number]
     start: int
@@ -23,28 +23,28 @@ class Vector:
 
 
 class Vectors:
-    """Binds addresses, and collects vectors of a wrong length to report each once."""
+    """Binds addresses. It collects vectors of a wrong length, and reports each only once."""
 
     def __init__(self, scopes: Scopes, evaluator: Evaluator) -> None:
         self.scopes = scopes
         self.reporter = scopes.reporter
         self.evaluator = evaluator
-        # (constructor, address taken as one word or "") -> wrong vectors and users; one user of a right one
+        # (constructor, address taken as one word or "") -> (wrong vectors, users, one user of a right one)
         self._lengths: dict[tuple[str, str], tuple[dict[int, tuple[Vector, Name]], list[Name]]] = {}
 
     def address(self, node: Expression, names: Mapping[str, Value]) -> Number | None:
         """Return the value of the expression of an address."""
         if type(node) is Number and not node.unit:
-            return node  # the range was checked
+            return node  # the range has been checked
         value = self.evaluator.integer(node, names, "an address", 0, ADDRESS_MAX)
         return None if value is None else Number(value, node.start, node.end)
 
     def bound(
         self, node: ExpansionNode, callee: Scope, given: Mapping[str, Vector], names: Mapping[str, Value]
     ) -> dict[str, Vector] | None:
-        """Return the vectors of the called constructor. Only forwarded lengths are still unchecked.
+        """Return the vectors of the called constructor. Only forwarded vectors may still have a wrong length.
 
-        `given` are the vectors of the constructor it stands in. None after a diagnostic.
+        `given` are the vectors of the constructor in which it stands. Return None after a diagnostic.
         """
         addresses = [name.text for name in callee.node.addresses]
         if node.forwards:
@@ -85,7 +85,7 @@ class Vectors:
         return None
 
     def note_length(self, key: tuple[str, str], vector: Vector, fits: bool, user: Name) -> None:
-        """Note whether a vector has the length which its user needs."""
+        """Note whether a vector has the length that its user needs."""
         wrong, right = self._lengths.setdefault(key, ({}, []))
         if not fits:
             wrong[vector.start] = vector, user
@@ -98,7 +98,7 @@ class Vectors:
             scope = self.scopes.first[constructor]
             names = scope.node.addresses
             takes = f"`{address}` is one word" if address else f"`{constructor}` takes {len(names)} addresses"
-            block = bool(address) and scope.node.block is not None  # nothing of it is in the head to agree
+            block = bool(address) and scope.node.block is not None  # the head has no such block to compare
             counts = {len(vector.numbers) for vector, _ in wrong.values()}
             if len(wrong) > 1 and len(counts) == 1 and not right and not block:
                 at = next((name for name in names if name.text == address), scope.node.name)

@@ -28,12 +28,13 @@ def isochrony(
 ) -> Isochrony:
     """Return the idle time and the bound of a publish of `gateware`, in clocks.
 
-    `protocol` is that of the link ("classic" or "framed". None: framed if the gateware has it). `read_many`
-    is the most words of a request of the host (None: the most that is possible). `before` has the words of
-    publishes that may be due at the same time and go before. `checked` counts the classic checksums.
-    `bus_waits` is how many clocks a slave acknowledges later than one clock after the strobe. An access that
-    times out takes twice the bus timeout more. Classic text in a framed session is not counted. Raises
-    ValueRangeError for datalinks that execute a request while it arrives, because that has no bound.
+    `protocol` is the one of the link ("classic" or "framed"). With None it is framed if the gateware has it.
+    `read_many` is the most words in a request of the host. With None it is the most that is possible.
+    `before` has the words of publishes that may be due at the same time and come first. `checked` counts the
+    classic checksums. `bus_waits` is how many clocks a slave acknowledges later than one clock after the
+    strobe. An access that times out adds twice the bus timeout. Classic text in a framed session is not
+    counted. Raises ValueRangeError for datalinks that execute a request while it arrives, because they have
+    no bound.
 
     >>> from unitylink.simulate import BoardConfiguration
     >>> board = BoardConfiguration(groups=2, group_size=16, read_many=32)

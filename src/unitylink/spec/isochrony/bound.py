@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class Gateware(Protocol):
-    """What must be known of the gateware. A BoardConfiguration has it."""
+    """What must be known about the gateware. A BoardConfiguration has all of this."""
 
     @property
     def protocol(self) -> str: ...
@@ -47,7 +47,7 @@ class Occupation:
 
 @dataclass(frozen=True)
 class Isochrony:
-    """Clocks from base strobe to first bus strobe: `idle_clocks` when idle, at most `late_clocks` more.
+    """Clocks from base strobe to first bus strobe: `idle_clocks` when idle, and at most `late_clocks` more.
 
     `longest` is the message that can delay a publish for the longest time.
     """

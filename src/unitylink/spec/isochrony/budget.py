@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cost of a spec's publishes on the line: bytes, load, the highest rate, and how late each can come.
+"""The cost of a spec's publishes on the line: bytes, load, the highest rate, and the longest delays.
 
-All figures follow from the constants of the protocol and the compiler's table of subscription groups
+All figures follow from the constants of the protocol and from the compiler's tables of subscription groups
 (`Spec.devices`). The tests compare them with what the twin sends.
 """
 
@@ -20,7 +20,7 @@ USUAL_BAUD_HZ = (115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000
 
 
 def message_bytes(letters: int, data_bytes: int, checked: bool = False) -> int:
-    """Return the bytes of a message: head, letters, `:`, two digits a byte, checksum, end of line.
+    """Return the bytes of a message: head, letters, `:`, two digits for each byte, checksum, end of line.
 
     >>> message_bytes(len("PUB"), 2 + 4)  # %PUB:ggnn........
     18
@@ -41,11 +41,11 @@ def publish_bytes(words: int, data_bits: int, checked: bool = False, protocol: s
 
 @dataclass(frozen=True)
 class GroupBudget:
-    """One subscription group. `rate_hz` is None if an event triggers it: the rate is unknown here.
+    """One subscription group. `rate_hz` is None if an event triggers it, because then the rate is unknown.
 
-    `sampled_s` limits the time from the tick (or event) to the reading of the first word in the gateware.
+    `sampled_s` limits the time from the tick (or event) to the read of the first word in the gateware.
     `latency_s` limits the time to the last byte on the line. It is None without a baud rate, or if the next
-    publish may be due earlier.
+    publish may be due before this one is done.
     """
 
     number: int
@@ -64,10 +64,10 @@ class GroupBudget:
 
 @dataclass(frozen=True)
 class BaudBudget:
-    """One baud rate: the share of the line that the publishes take, and the highest rate that fits.
+    """One baud rate: the share of the line that the publishes use, and the highest rate that fits.
 
-    `highest_hz` is a base rate / divisor at which every group with a rate could publish. None if not even the
-    slowest fits.
+    `highest_hz` is a base rate / divisor at which every group with a rate could publish. It is None if not
+    even the slowest rate fits.
     """
 
     baud_hz: int
@@ -77,7 +77,7 @@ class BaudBudget:
 
 @dataclass(frozen=True)
 class DeviceBudget:
-    """One device of a spec. `tick_bytes` are sent at a base tick if all groups with a rate are due."""
+    """One device of a spec. `tick_bytes` are sent in a base tick if all groups with a rate are due."""
 
     root: str
     link: str
@@ -101,12 +101,12 @@ class DeviceBudget:
 
     @property
     def load(self) -> float | None:
-        """The share of the line at the link's baud rate. None without one."""
+        """The share of the line at the link's baud rate. It is None without a baud rate."""
         return self.bytes_per_s * BITS_PER_BYTE / self.baud_hz if self.baud_hz else None
 
     @property
     def fits_2012(self) -> bool:
-        """Whether the groups fit into the 2012 gateware without dividing one."""
+        """Whether the groups fit into the 2012 gateware without dividing any of them."""
         return len(self.groups) <= constants.GROUPS_2012 and all(
             group.words < constants.GROUP_SIZE_2012 for group in self.groups
         )
@@ -122,11 +122,12 @@ def budget(
     read_many: int | None = None,
     timed: bool = True,
 ) -> DeviceBudget:
-    """Return the budget of a device, at the declared baud rate or another one.
+    """Return the budget of a device, at the declared baud rate or at another one.
 
-    `protocol` is that of the link ("framed" or "classic"), `clock_hz` the clock of the design. For the
-    classic one `checked` counts publishes with a checksum. Requests of `read_many` words may delay a publish
-    that is due. Without `timed` the latencies are omitted, whose computation takes most of the time.
+    `protocol` is the one of the link ("framed" or "classic"). `clock_hz` is the clock of the design. For the
+    classic protocol, `checked` means that publishes have a checksum. Requests of `read_many` words may delay
+    a publish that is due. Without `timed`, latencies are left out, because they take most of the time to
+    compute.
     """
     link = device.link
     baud_hz = baud_hz if baud_hz is not None else link.baud_hz

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bound of a publish where the link speaks the classic protocol."""
+"""The bound of a publish if the link uses the classic protocol."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from unitylink.errors import ValueRangeError
 from .bound import Gateware, Isochrony, Occupation
 
 _CHECKSUM_CHARACTERS = 3
-_CONFIGURATION_CHARACTERS = 34  # of CNF, with a base frequency of four bytes
+_CONFIGURATION_CHARACTERS = 34  # characters of CNF, with a base frequency of four bytes
 
 
 def isochrony(
     gateware: Gateware, *, read_many: int | None, before: Sequence[int], checked: bool, bus_waits: int
 ) -> Isochrony:
-    """Return idle time and bound. `read_many` is the longest one that the host sends (None: the longest
-    possible)."""
+    """Return idle time and bound.
+
+    `read_many` is the longest read-many that the host sends. With None it is the longest possible.
+    """
     c = gateware
     if c.datalink != "full":
         raise ValueRangeError(
@@ -76,9 +78,9 @@ def isochrony(
 
 
 def _in_the_way(request: Occupation, publishes: list[Occupation], publish_mode: int) -> list[Occupation]:
-    """Return the messages that can go before a publish, if requests come in without end."""
+    """Return the messages that can come before a publish if requests come without end."""
     turns = protocol.LATENCY_TURNS_MOST
-    if publish_mode == 1:  # requests first: each publish waits for a row of them
+    if publish_mode == 1:  # requests come first, so each publish waits for a row of them
         row = [request] * turns
         return [request, *row, *(one for publish in publishes for one in (publish, *row))]
     found = [request]
@@ -90,10 +92,10 @@ def _in_the_way(request: Occupation, publishes: list[Occupation], publish_mode: 
 
 
 def _clocks(messages: list[Occupation], byte_clocks: int) -> int:
-    """Return how long messages in a row keep the next one from the bus.
+    """Return how long a row of messages keeps the next one from the bus.
 
-    Either the application is slower, or the line. If the line is, earlier bytes wait in the FIFO between
-    them. A publish puts a few words behind them before it asks for the bus.
+    The slower side decides: the application, or the line. If it is the line, earlier bytes wait in the FIFO
+    between the two. A publish puts a few words behind these bytes before it asks for the bus.
     """
     words = protocol.LATENCY_PUBLISH_WORDS_BEFORE
     per_character = max(1, byte_clocks)

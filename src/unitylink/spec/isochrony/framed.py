@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The bound of a publish in a framed session.
 
-Publishes go before requests, and a row of them goes in one piece. What can be in the way is a request that
-has just begun, and the line: the transmitter has room for one payload beside the one that leaves. So the
-request that has begun (C) may wait until the frame that leaves (A) has left, and the publish until the one
-between them (B) has. While a publish waits for room posts go on, and the last of them may have just begun.
+Publishes come before requests, and several due publishes follow one another without a gap. Two things can be
+in the way. One is a request that has just begun. The other is the line, because the transmitter has room for
+only one payload beside the one that it sends. So there are three frames. A is being sent, B waits behind it,
+and C is the reply of the request that has begun. C may wait until A has been sent, and the publish may wait
+until B has been sent. While a publish waits for room, posts go on. The last of them may have just begun.
 """
 
 from __future__ import annotations
@@ -18,37 +19,44 @@ from .bound import Gateware, Isochrony, Occupation
 
 _REQUEST_HEAD = 3  # bytes of LIST before its operations: id and flags
 _POST_HEAD = 2
-_GROUP_HEAD = 9  # of DEFINE_GROUP before its addresses
+_GROUP_HEAD = 9  # bytes of DEFINE_GROUP before its addresses
 _EXCHANGE_HEAD = 5
-_REPLY_HEAD = 6  # of LIST's: id, posts, words
-PUBLISH_HEAD = 7  # group, sequence, clock
-_BETWEEN = 3  # clocks from a publish to one that is due behind it
-_OPERATION = 2  # of a list: what, and how many words
-_COUNTERS = p.CONTROL_DEADMAN_TRIPS - p.CONTROL_FRAMES + 1  # registers of READ_CONTROL's longest answer
-_ANSWER = 4 + p.FRAMED_LATENCY_FRAME_BYTES  # a reply that tells nothing but that it was done
+_REPLY_HEAD = 6  # bytes of LIST's reply before the words: id, posts, words
+PUBLISH_HEAD = 7  # bytes: group, sequence, clock
+_BETWEEN = 3  # clocks from a publish to another one that is due after it
+_OPERATION = 2  # bytes of a list's operation: its kind, and how many words
+_COUNTERS = p.CONTROL_DEADMAN_TRIPS - p.CONTROL_FRAMES + 1  # registers in READ_CONTROL's longest answer
+_ANSWER = 4 + p.FRAMED_LATENCY_FRAME_BYTES  # bytes of a reply that only says that the request was done
 
 
 @dataclass(frozen=True)
 class _Request(Occupation):
-    """A request, whose reply is put in `least` to `most` clocks of its own; before, its form is checked."""
+    """A request.
+
+    Its reply is written in `least` to `most` of its clocks. Before that, its form is checked.
+    """
 
     least: int = 0
     most: int = 0
 
 
 def isochrony(gateware: Gateware, *, words: int | None, before: Sequence[int], bus_waits: int) -> Isochrony:
-    """Return idle time and bound. `words` is the most that a list of the host has (None: all that fit)."""
+    """Return idle time and bound.
+
+    `words` is the most words of a list from the host. With None it is as many as fit.
+    """
     a, d = -(-gateware.address_bits // 8), -(-gateware.data_bits // 8)
     requests, post = _requests(gateware, a, d, words, bus_waits)
     per_byte = max(1, gateware.byte_clocks)
     leaves = max(one.characters for one in requests) * per_byte
     late = max(
-        *(one.clocks for one in requests),  # C, where the line is quick
-        leaves + max(one.most for one in requests),  # A leaves, B is short, C
-        *(leaves + one.characters * per_byte - one.least for one in requests),  # A, B leave; A while B is put
+        *(one.clocks for one in requests),  # C, if the line is fast
+        leaves + max(one.most for one in requests),  # A is being sent, B is short, then C
+        # A and B are sent; A is sent while B is written
+        *(leaves + one.characters * per_byte - one.least for one in requests),
     )
     late += post.clocks
-    busy = late + leaves  # so long the line may be taken when the first of the publishes before begins
+    busy = late + leaves  # the line may be busy for so long when the first earlier publish begins
     for count in before:
         publish = _publish(count, d, bus_waits)
         room = max(late + publish.clocks, busy)
@@ -72,7 +80,7 @@ def _requests(
     change = p.FRAMED_LATENCY_LIST_CHANGE + 2 * a + 2 * d + 2 * bus_waits
     reads = min(told, _fit(_REQUEST_HEAD, _OPERATION + a, words))
     changes = _fit(_REQUEST_HEAD, _OPERATION + a + d, words)
-    checked = p.FRAMED_LATENCY_LIST_CHECK + a  # of each operation, before anything is said
+    checked = p.FRAMED_LATENCY_LIST_CHECK + a  # for each operation, before any reply
 
     def listed(operations: int, each: int, said: int, least: int) -> _Request:
         clocks = p.FRAMED_LATENCY_LIST + operations * each
@@ -85,7 +93,8 @@ def _requests(
     registers = _COUNTERS if words is None else min(words, _COUNTERS)
     requests = [
         listed(reads, read, reads, reads * d),
-        # One operation has the longest reply in the shortest time; a word then takes the bus and its bytes.
+        # One operation has the longest reply in the shortest time. Then each word takes the bus and its
+        # bytes.
         listed(1, told * (3 + d + bus_waits), told, told * (3 + d)),
         listed(changes, change, 0, 0),
         _Request("DEFINE_GROUP", p.FRAMED_LATENCY_DEFINE_GROUP + c.groups + members * group, _ANSWER),
@@ -94,7 +103,7 @@ def _requests(
             p.FRAMED_LATENCY_DEFINE_EXCHANGE + _fit(_EXCHANGE_HEAD, a + 1, None) * exchange,
             _ANSWER,
         ),
-        # READ_CONTROL of many registers takes longer, but less than DEFINE_EXCHANGE; no answer is longer.
+        # READ_CONTROL of many registers takes longer, but less than DEFINE_EXCHANGE. No answer is longer.
         _Request("other", p.FRAMED_LATENCY_OTHER + bus_waits, _ANSWER + 4 * registers),
     ]
     changes = _fit(_POST_HEAD, _OPERATION + a + d, words)
@@ -102,7 +111,7 @@ def _requests(
 
 
 def _fit(head: int, each: int, words: int | None) -> int:
-    """Return how many parts of `each` bytes a request has behind its head, at most `words`."""
+    """Return how many parts of `each` bytes a request has after its head. They are at most `words`."""
     most = (p.FRAMED_LATENCY_PAYLOAD_MAX - head) // each
     return most if words is None else min(words, most)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How late each publish of a device can be: the earlier work of the gateware, and the time on the line."""
+"""How late each publish of a device can be, from the gateware's earlier work and the time on the line."""
 
 from __future__ import annotations
 
@@ -15,18 +15,22 @@ from . import isochrony
 from .framed import PUBLISH_HEAD
 
 BITS_PER_BYTE = 10  # on the line: start, eight data, stop
-UART_FIFO_BYTES = 16  # of the gateware's transmitter: bytes that are said before and still wait
-_ROUNDS_MAX = 100  # of the fixed point, and
-_MESSAGES_MAX = 1_000  # that it may put before a publish; beyond, the line is as good as full
+UART_FIFO_BYTES = 16  # bytes in the gateware's transmitter that were written before and still wait
+_ROUNDS_MAX = 100  # the most rounds of the fixed-point search, and
+# the most messages that it may put before a publish; beyond this, the line is as good as full
+_MESSAGES_MAX = 1_000
 
 
-_Kind = tuple[float, int, int]  # period in s, words and bytes of a publish: what is alike is as late
+_Kind = tuple[float, int, int]  # (period in s, words, bytes) of a publish; equal ones have equal delays
 
 
 @dataclass(frozen=True)
 class Latency:
     """The longest times from the tick (or event) of a publish: until its first word is sampled, and until its
-    last byte has left. Both are None if the next publish may be due earlier."""
+    last byte has been sent.
+
+    Both are None if the next publish may be due before this one is done.
+    """
 
     sampled_s: float | None
     sent_s: float | None
@@ -34,7 +38,7 @@ class Latency:
 
 @dataclass(frozen=True)
 class _Gateware:
-    """The gateware of a device as far as its time matters. See isochrony.Gateware."""
+    """The gateware of a device, as far as its timing matters. See isochrony.Gateware."""
 
     address_bits: int
     data_bits: int
@@ -51,7 +55,9 @@ class _Gateware:
 
 
 def publishes_of(words: int, data_bits: int, protocol: str) -> list[int]:
-    """Return the words of each message in which a group publishes: of frames there may be several.
+    """Return the words of each message in which a group is published.
+
+    In frames there may be several messages.
 
     >>> publishes_of(70, 32, "framed"), publishes_of(70, 32, "classic")
     ([60, 10], [70])
@@ -72,9 +78,9 @@ def latencies(
 ) -> list[Latency]:
     """Return the bounds of each group of `device`. Its publishes have `message_bytes` each.
 
-    They hold for the gateware that is generated, at `clock_hz`, whatever requests of up to `read_many` words
-    come in by `protocol`. Every other group goes before, as often as it is due meanwhile. A group with an
-    event goes once.
+    They hold for the generated gateware at `clock_hz`, whatever requests of up to `read_many` words come in
+    by `protocol`. Every other group comes first, as often as it is due meanwhile. A group with an event comes
+    once.
     """
     groups, base_hz = device.groups, device.link.base_hz
     never = [Latency(None, None)] * len(groups)
@@ -92,7 +98,10 @@ def latencies(
 
 
 def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Gateware:
-    """Return the gateware of the generator. Without a stated address width the widest counts."""
+    """Return the gateware that the generator makes.
+
+    Without a stated address width, the largest is assumed.
+    """
     link = device.link
     plain_groups, plain_size = constants.GROUPS_2012, constants.GROUP_SIZE_2012
     return _Gateware(
@@ -110,7 +119,10 @@ def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Ga
 def _latency(
     gateware: _Gateware, kind: _Kind, others: Counter[_Kind], baud_hz: int, read_many: int
 ) -> Latency:
-    """Find the time that all earlier publishes and requests take. None if the next is due before that."""
+    """Return the time that all earlier publishes and requests take.
+
+    Return None if the next one is due before that.
+    """
     period_s, words, message_bytes = kind
     own_clocks = words * (constants.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
     own_s = (message_bytes + UART_FIFO_BYTES) * BITS_PER_BYTE / baud_hz + own_clocks / gateware.clock_hz

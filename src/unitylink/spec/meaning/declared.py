@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a spec declares beside constructors, with its meaning: constants, enumerations, packed bits, links."""
+"""The meaning of what a spec declares beside constructors: constants, enumerations, packed bits, links."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Declared:
         self.enums: dict[str, EnumType] = {}
         self.bits: dict[str, ValueType] = {}
         self.lost = set(program.lost)
-        self.used: set[str] = set()  # names of types and constants that something uses
+        self.used: set[str] = set()  # names of types and constants that are used
         self.evaluator = Evaluator(reporter, self.constants)
         self.types = TypeNames(self.evaluator, self.enums, self.bits, self.lost)
         self._first: dict[tuple[str, str], Name] = {}
@@ -78,7 +78,7 @@ class Declared:
         return False
 
     def known(self, node: Expression) -> bool:
-        """Are all names of an expression outside constructors those of constants before it?"""
+        """In an expression outside of constructors: is every name a constant that was declared before?"""
         good = True
         for name in names_of(node):
             if name.text in self.constants or name.text in ("true", "false"):
@@ -95,11 +95,11 @@ class Declared:
         return good
 
     def integer(self, node: Expression, what: str, low: int, high: int) -> int | None:
-        """Return a whole number that stands outside constructors."""
+        """Return a whole number from outside of constructors."""
         return self.evaluator.integer(node, _NOTHING, what, low, high) if self.known(node) else None
 
     def type(self, node: TypeNode) -> ValueType | None:
-        """Return a type that stands outside constructors."""
+        """Return a type from outside of constructors."""
         known = [self.known(argument) for argument in node.arguments]
         self.used.add(node.name.text)
         return self.types.resolve(node, _NOTHING) if all(known) else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Evaluates an element's type and properties, only once if they do not depend on a parameter."""
+"""Evaluates an element's type and properties. It does so only once if they do not depend on a parameter."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NOT_FOUND = object()
 
 @dataclass(frozen=True)
 class ElementFacts:
-    """Everything about an element but its name, address, display name and notes."""
+    """Everything about an element except its name, address, display name and notes."""
 
     type: ValueType
     words: int
@@ -39,14 +39,17 @@ class ElementReader:
         self._known: dict[tuple[int, str], ElementFacts | None] = {}
 
     def read(self, node: ElementNode, names: Mapping[str, Value], link: Link) -> ElementFacts | None:
-        """Return the facts of an element. None after a diagnostic, or if a name has no value in `names`."""
+        """Return the facts of an element.
+
+        Return None after a diagnostic, or if a name has no value in `names`.
+        """
         key = (id(node), link.name)
         known = self._known.get(key, _NOT_FOUND)
         if known is not _NOT_FOUND:
             return known  # type: ignore[return-value]
         self.evaluator.used = False
         found = self._read(node, names, link)
-        if not self.evaluator.used:  # the same wherever the constructor is expanded
+        if not self.evaluator.used:  # then they are the same in every expansion of the constructor
             self._known[key] = found
         return found
 

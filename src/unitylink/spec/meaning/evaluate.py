@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Evaluates expressions to exact numbers, numbers with a unit, texts or run-time objects.
 
-Arithmetic is exact, division too: 3/2 is one and a half. Where a whole number is needed and none comes out,
-that is an error, never a silent rounding.
+Arithmetic is exact, also division: 3/2 is one and a half. If a whole number is needed and the result is not
+whole, this is an error. Nothing is rounded silently.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from ..report.suggest import nearest
 from ..text.syntax import Argument, Expression, Name, Number, Operation, Text
 from ..units import UNITS, Dimension, Unit, spoken, unit
 
-MAX_STRING = 250  # characters of an evaluated string
-MAX_BITS = 512  # of a number while it is computed: 64-bit words, scaled exactly
+MAX_STRING = 250  # the most characters of an evaluated string
+MAX_BITS = 512  # the most bits of a number during a computation: 64-bit words, scaled exactly
 MAX_SHIFT = 64
 
 
 @dataclass(frozen=True)
 class RunTime:
-    """The value of a run-time parameter: the parameter of the public constructor behind it."""
+    """The value of a run-time parameter. It is the parameter of the public constructor behind it."""
 
     name: str
 
@@ -44,7 +44,10 @@ _WORDS: dict[str, Value] = {"true": 1, "false": 0}
 
 
 class Stop(Exception):
-    """There is no value. A diagnostic was given, or a name is not known here. Never leaves `Evaluator`."""
+    """There is no value.
+
+    A diagnostic has been given, or a name is not known here. This never leaves `Evaluator`.
+    """
 
 
 class Evaluator:
@@ -53,7 +56,7 @@ class Evaluator:
     def __init__(self, reporter: Reporter, constants: Mapping[str, Value]) -> None:
         self.reporter = reporter
         self.constants = constants
-        self.used = False  # a name was looked up that was not a constant
+        self.used = False  # true if a name was looked up that is not a constant
 
     def value(self, expression: Expression, names: Mapping[str, Value]) -> Value | None:
         """Return the value of an expression."""
@@ -93,7 +96,7 @@ class Evaluator:
     def quantity(
         self, expression: Expression, names: Mapping[str, Value], what: str, wanted: Unit | None
     ) -> Plain | None:
-        """Return a number in the unit `wanted`. A number without a unit is in that already."""
+        """Return a number in the unit `wanted`. A number without a unit is already in this unit."""
         value = self.value(expression, names)
         if value is None:
             return None
@@ -149,7 +152,7 @@ class Evaluator:
         return Quantity(node.value * found.factor + found.offset, found.dimension)
 
     def unknown_unit(self, text: str, start: int, end: int, *, quoted: bool) -> None:
-        """Report that there is no such unit. `quoted` says that only a string is at that place."""
+        """Report that there is no such unit. `quoted` says that only a string may be at this place."""
         near = spoken(text) or nearest(text, UNITS)
         advice = Advice("units are such as rad, deg, m, s, A, V, N m, rad/s, degC, Hz, count")
         if near:
@@ -219,8 +222,10 @@ class Evaluator:
         )
 
     def _scaled(self, node: Operation, left: Value, right: Value) -> Value:
-        """A number with a unit times or divided by a plain one. Divided by one of its kind it is a plain
-        number."""
+        """Multiply or divide a number with a unit by a plain number.
+
+        Divided by a number of the same quantity, it becomes a plain number.
+        """
         if isinstance(left, Quantity) and isinstance(right, Quantity):
             if node.operator == "/" and left.dimension == right.dimension:
                 return _simple(left.value / self._divisor(right.value, node))

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Who expands whom: recursion, the size of every expansion before it is made, and the paths of groups."""
+"""Which constructor expands which: recursion, the size of every expansion before it is made, and the paths of
+groups.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,11 @@ from ..text.syntax import (
 )
 from .scope import Scope, Scopes
 
-MAX_ITEMS = 40_000  # instances, elements and group members of all public constructors: stops macro bombs
+# instances, elements and group members of all public constructors; the limit stops macro bombs
+MAX_ITEMS = 40_000
 MAX_DEPTH = 64
 
-_ENOUGH = 10**9  # sizes are not counted further
+_ENOUGH = 10**9  # larger sizes are not counted exactly
 _CHEAP = 16  # so many names or parts of a string cost less than one item
 _K = TypeVar("_K", bound=Hashable)
 
@@ -39,7 +42,7 @@ class Size:
 
 
 class Graph:
-    """Sizes of all constructors and groups. Recursive and oversized members are taken out of `usable`."""
+    """Sizes of all constructors and groups. Recursive and oversized members are removed from `usable`."""
 
     def __init__(self, scopes: Scopes, reporter: Reporter) -> None:
         self.scopes = scopes
@@ -47,7 +50,7 @@ class Graph:
         self.sizes: dict[str, Size] = {}
         self._group_sizes: dict[tuple[str, str], int] = {}
         self._expanded: dict[str, dict[str, int]] = {}  # constructor -> callee -> instances directly in it
-        self._unknown: set[tuple[str, str]] = set()  # constructor and name: each is reported once
+        self._unknown: set[tuple[str, str]] = set()  # (constructor, name), so that each is reported once
         self._rings: dict[
             str, dict[str, str]
         ] = {}  # constructor -> constructor that it must not expand -> the ring
@@ -56,7 +59,8 @@ class Graph:
         self._cut_rings()
         for name in order:
             self._measure(scopes.first[name])
-        for scope in scopes.all:  # those declared twice are not expanded, but their groups are checked
+        # constructors that are declared twice are not expanded, but their groups are checked
+        for scope in scopes.all:
             if scopes.first.get(scope.node.name.text) is not scope:
                 for member in scope.usable.values():
                     if isinstance(member, GroupNode):
@@ -67,7 +71,10 @@ class Graph:
         return [callee for callee in callees if callee in self.scopes.first]
 
     def _report_recursion(self, trail: list[str], callee: str) -> None:
-        """`callee` is on the trail already: note the expansion that closes the ring, to leave it out."""
+        """`callee` is already on the trail.
+
+        Note the expansion that closes the ring, so that it is left out.
+        """
         shown: list[str] = []
         self._ring_count += 1
         if self._ring_count <= KEPT:
@@ -88,7 +95,8 @@ class Graph:
     # --- sizes ----------------------------------------------------------------------------------------------
 
     def _measure(self, scope: Scope) -> None:
-        # Work in each expansion counts too, or long lists in small constructors would take too long.
+        # The work in each expansion counts too. Otherwise long lists in small constructors would take too
+        # long.
         size = Size(items=(len(scope.parameters) + len(scope.addresses)) // _CHEAP)
         for member in scope.usable.values():
             if isinstance(member, ElementNode):
@@ -106,7 +114,10 @@ class Graph:
         size.items = min(size.items + self._measure_groups(scope), _ENOUGH)
 
     def times(self, member: ElementNode | ExpansionNode) -> int:
-        """Return how many an array has; 1 where a parameter decides, for then the expansion counts."""
+        """Return how many items an array has.
+
+        If a parameter decides, return 1, because then the expansion counts.
+        """
         if member.count is None:
             return 1
         return (
@@ -140,7 +151,11 @@ class Graph:
     # --- paths ----------------------------------------------------------------------------------------------
 
     def _check_paths(self, scope: Scope, group: GroupNode) -> int:
-        """Report wrong paths. Return how many elements the right ones lead to, those named twice twice."""
+        """Report wrong paths.
+
+        Return the number of elements that the right paths lead to. An element that is named twice counts
+        twice.
+        """
         for path in group.paths:
             for step in path:
                 if step.index is not None:
@@ -185,7 +200,7 @@ class Graph:
         return min(max(count, count * size.elements), _ENOUGH) if size else 0
 
     def _all(self, here: Scope, step: Step) -> int:
-        """Return how many expansions of the step's constructor stand directly in `here`."""
+        """Return how many expansions of the step's constructor are directly in `here`."""
         name = step.name.text
         if name not in self.scopes.first:
             self.scopes.unknown_constructor(step.name)
@@ -233,7 +248,7 @@ class Graph:
 
 
 def _leaves(node: Expression) -> int:
-    """Return of how many names, numbers and strings an expression is made."""
+    """Return the number of names, numbers and strings in an expression."""
     if isinstance(node, Argument):
         return 1 if node.literal else sum(map(_leaves, node.parts))
     if isinstance(node, Operation):
@@ -255,7 +270,9 @@ def cost_of_expansion(node: ExpansionNode) -> int:
 def _callees_first(
     nodes: Iterable[_K], callees: Callable[[_K], Iterable[_K]], on_ring: Callable[[list[_K], _K], None]
 ) -> list[_K]:
-    """Return the nodes so that each stands behind those it leads to; tell of each edge that closes a ring.
+    """Return the nodes in an order in which each comes after those that it leads to.
+
+    Report each edge that closes a ring.
 
     It uses no recursion, because a chain may be as long as the file.
     """

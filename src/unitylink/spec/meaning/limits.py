@@ -62,15 +62,17 @@ class Facts:
 
 
 def plain(value: Plain) -> Number:
-    """Return a whole number as an int, another as the nearest float."""
+    """Return a whole number as an int, and any other one as the nearest float."""
     return value if isinstance(value, int) else float(value)
 
 
 def read_facts(
     properties: Sequence[Property], kind: ValueType, evaluator: Evaluator, names: Mapping[str, Value]
 ) -> Facts | None:
-    """Return the facts that properties give about a value. None after a diagnostic, or if a name has no value
-    here."""
+    """Return the facts that properties give about a value.
+
+    Return None after a diagnostic, or if a name has no value here.
+    """
     facts = Facts({one.key: one for one in properties})
     reader = _Reader(facts, kind, evaluator, names)
     return facts if reader.read() else None
@@ -186,7 +188,7 @@ class _Reader:
 # --- checks -------------------------------------------------------------------------------------------------
 
 
-@lru_cache(256)  # of types and scales a spec has few, however many values
+@lru_cache(256)  # a spec has few types and scales, however many values it has
 def _scaled_range(numbers: tuple[str, int, int, bool], factor: Plain, shift: Plain) -> tuple[Plain, Plain]:
     kind, width, fraction, signed = numbers
     if kind == "float":
@@ -259,7 +261,7 @@ def check_access(facts: Facts, name: str, access: str, writable: bool, reporter:
 
 def _place(facts: Facts, key: str) -> tuple[int, int]:
     argument = facts.given[key].argument
-    assert isinstance(argument, Argument)  # these keys have a value
+    assert isinstance(argument, Argument)  # these keys always have a value
     return argument.start, argument.end
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a link declares: `link arm (DATA=16, BAUD=3 MHz, PHYSICAL=rs485, NODE=3);`."""
+"""The properties of a declared link: `link arm (DATA=16, BAUD=3 MHz, PHYSICAL=rs485, NODE=3);`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NUMBERS = {
     "NODE": ("NODE (on the pair)", 1, RS485_NODES_MAX),
 }
 _WORDS = {"PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE}
-# Property -> the physical layers that have it, and what they have in common.
+# property -> (the physical layers that have it, what these have in common)
 _BELONGS = {
     "BAUD": (LINES, "a line"),
     "SEND_IMMEDIATE": (("ft245_async", "ft245_sync"), "an FT245"),
@@ -77,7 +77,7 @@ class LinkReader:
         """Report properties that the physical layer does not have. The default layer is a serial line."""
         given = {one.key: one for one in node.properties}
         if "PHYSICAL" in given and physical is None:
-            return  # reported: there is no telling what belongs to it
+            return  # it has been reported, and without it nothing tells which properties belong to it
         for key, (layers, what) in _BELONGS.items():
             if key in given and (physical or LINES[0]) not in layers:
                 one = given[key]

@@ -13,8 +13,8 @@ from .elements import ElementReader
 from .scope import Scope, Scopes, UsableNode, matched
 from .type_names import names_of
 
-_SHOWN = 150  # characters of a declaration in a hint
-_NAMES = 20  # names of a list that are looked at for a message
+_SHOWN = 150  # the most characters of a declaration in a hint
+_NAMES = 20  # the most names of a list that are searched for a message
 
 
 _PARAMETER_TYPES = ("string", "int", "real", "bool")
@@ -35,11 +35,11 @@ class _Checker:
     def __init__(self, scopes: Scopes, elements: ElementReader, link: Link) -> None:
         self.scopes = scopes
         self.elements = elements
-        self.link = link  # any: what depends on it is worked out again when it is known
+        self.link = link  # any link will do, because what depends on it is computed again when it is known
         self.reporter = scopes.reporter
 
     def check_head(self, scope: Scope) -> None:
-        """Report types and defaults of parameters, and notes, that cannot be."""
+        """Report wrong types and defaults of parameters, and wrong notes."""
         behind_default: Parameter | None = None
         for one in scope.node.parameters:
             if one.type is not None and one.type.text not in _PARAMETER_TYPES:
@@ -69,7 +69,7 @@ class _Checker:
         return all(known)
 
     def find_wrong_heads(self) -> None:
-        """Where all expansions of a constructor give the same wrong count, its head is the one mistake."""
+        """If all expansions of a constructor have the same wrong count, the mistake is in its head."""
         given: dict[tuple[str, str], list[int]] = {}
         for scope in self.scopes.all:
             for member in scope.expansions:
@@ -85,7 +85,7 @@ class _Checker:
                 continue
             node, count = callee.node, counts[0]
             if node.block is not None or any(one.default for one in node.parameters):
-                continue  # not all that is taken must be given
+                continue  # optional arguments may be missing
             if code == "UL030":
                 wrong = count != len(node.parameters)
                 takes = _count(len(node.parameters), "argument")
@@ -95,7 +95,7 @@ class _Checker:
             if wrong:
                 callee.wrong_head.add(code)
                 if callee.excused["UL025" if code == "UL030" else "UL026"] > 0:
-                    continue  # a name is declared twice in this head: that is the mistake
+                    continue  # the mistake is that this head declares a name twice
                 message = f"`{name}` takes {takes}, but all {len(counts)} expansions give {count}"
                 hint = f"make `{declaration(callee)}` agree with them"
                 self.reporter.report(code, node.name.start, node.name.end, message, hint)
@@ -150,7 +150,10 @@ class _Checker:
         return name.text not in self.scopes.declared.constants
 
     def _unit(self, scope: Scope, argument: Argument) -> bool:
-        """Are all names of UNIT known? A unit without its quotes is one mistake for all its names."""
+        """Are all names of UNIT known?
+
+        A unit without its quotes is one mistake, however many names it has.
+        """
         names = [] if argument.literal else list(names_of(argument))
         if not names or any(self.scopes.knows(scope, name) for name in names):
             return self.scopes.names_of(scope, argument)
@@ -202,7 +205,7 @@ class _Checker:
         return self._check_bindings(scope, member, callee) and good
 
     def _check_count(self, member: ExpansionNode, callee: Scope) -> bool:
-        """Is everything given that a constructor takes, once, and nothing else?"""
+        """Is everything given that a constructor takes, each once, and nothing else?"""
         taken = callee.node.parameters
         hint = f"it is declared as `{declaration(callee)}`"
         if not any(one.key for one in member.arguments):
@@ -251,7 +254,10 @@ class _Checker:
         return good and not missing
 
     def _check_bindings(self, scope: Scope, member: ExpansionNode, callee: Scope) -> bool:
-        """Do the bindings give the callee's addresses? What a forwarded vector's length tells comes later."""
+        """Do the bindings give the callee's addresses?
+
+        What depends on the length of a forwarded vector is checked later.
+        """
         names = callee.node.addresses
         declared = declaration(callee)
         bindings = member.bindings
@@ -271,7 +277,7 @@ class _Checker:
             elif scope.node.tuple_form and callee.node.tuple_form and len(names) > 1:
                 message = f"`{member.name.text}` is 1 address but `{member.callee.text}` takes {len(names)}"
         elif callee.node.block is not None and (not bindings or _one_number(bindings, names[0].text)):
-            return True  # where nothing is bound the compiler finds room
+            return True  # if nothing is bound, the compiler finds room
         elif not bindings:
             place = member.callee
             message = f"`{member.callee.text}` takes {_count(len(names), 'address')} but none is bound"
@@ -304,7 +310,7 @@ class _Checker:
         bound: set[str] = set()
         good = True
         for one in member.bindings:
-            assert one.name is not None  # the caller looked
+            assert one.name is not None  # the caller has checked it
             text = one.name.text
             if text not in callee.addresses:
                 if not self.scopes.news(f"address of {member.callee.text}", one.name):
@@ -335,7 +341,7 @@ class _Checker:
         return good and not missing
 
     def _text(self, scope: Scope, argument: Argument, what: str, *, array: bool = False) -> bool:
-        """An argument that must be a string."""
+        """Check an argument that must be a string."""
         if len(argument.parts) == 1 and isinstance(argument.parts[0], Text):
             return True
         good = self.scopes.names_of(scope, argument, array=array)
@@ -358,7 +364,7 @@ class _Checker:
 
 
 def declaration(scope: Scope) -> str:
-    """Return the head of a constructor as it would be written."""
+    """Return the head of a constructor in the form of the language."""
     node = scope.node
     parameters = ",".join(_parameter(one) for one in node.parameters[:_NAMES])
     head = f"{node.name.text}({parameters})"
@@ -377,7 +383,7 @@ def _parameter(one: Parameter) -> str:
 
 
 def _one_number(bindings: list[Binding], address: str) -> bool:
-    """Is this the one address a block is bound to?"""
+    """Is this the only address, to which a block is bound?"""
     (first, *others) = bindings
     return not others and len(first.numbers) == 1 and (first.name is None or first.name.text == address)
 

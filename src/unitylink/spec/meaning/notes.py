@@ -2,7 +2,7 @@
 """From annotations of the syntax tree to those of the model, and to components.
 
 `@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
-its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports to be connected.
+its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .evaluate import Evaluator, Value
 RESERVED = ("component", "generic", "pin", "event")
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
-_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # of an entity, a port or a generic in VHDL
+_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
 
 
 def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> tuple[Annotation, ...]:
@@ -50,7 +50,10 @@ def _plain(value: Value | None) -> AnnotationValue | None:
 def component(
     notes: Notes, evaluator: Evaluator, names: Mapping[str, Value], base: int, words: int
 ) -> Component | None:
-    """Return the component a constructor stands for, or None if it is none or has a mistake."""
+    """Return the component for which a constructor stands.
+
+    Return None if it stands for none, or has a mistake.
+    """
     entity = ""
     generics: list[tuple[str, int]] = []
     pins: list[tuple[str, str, int]] = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From PUBLISH in the text to modes, divisors, rates in Hz and events."""
+"""From the PUBLISH of a text to modes, divisors, rates in Hz and events."""
 
 from __future__ import annotations
 
@@ -19,9 +19,12 @@ _DIVISOR_MAX = (1 << 8 * RATE_BYTES_MAX) - 1
 def read_publish(
     node: ElementNode, one: Property, evaluator: Evaluator, names: Mapping[str, Value], link: Link
 ) -> Publish | None:
-    """Return how an element publishes over `link`. None after a diagnostic, or if a name has no value."""
+    """Return how an element publishes over `link`.
+
+    Return None after a diagnostic, or if a name has no value.
+    """
     publish = one.publish
-    assert publish is not None  # the property is PUBLISH
+    assert publish is not None  # the property is a PUBLISH
     reporter = evaluator.reporter
     if node.access not in READS:
         message = f"`{node.name.text}` is a {node.access}: only what the PC reads can be published"

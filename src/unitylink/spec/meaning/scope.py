@@ -35,7 +35,7 @@ from .type_names import names_of
 
 UsableNode = Union[ExpansionNode, ElementNode, GroupNode]
 ADDRESS_MAX = (1 << ADDRESS_BITS_MAX) - 1
-INDEX = "i"  # what the number of an array's element is called in its own statement
+INDEX = "i"  # the name of the index in the statement of an array
 
 _T = TypeVar("_T", "Scope", Name, Parameter, Union[ExpansionNode, ElementNode, GroupNode, BrokenNode])
 
@@ -48,22 +48,24 @@ class Scope:
     parameters: dict[str, int] = field(default_factory=dict)  # name -> position
     addresses: dict[str, int] = field(default_factory=dict)
     members: dict[str, UsableNode | BrokenNode] = field(default_factory=dict)
-    usable: dict[str, UsableNode] = field(default_factory=dict)  # those without a mistake: what is expanded
+    # members without a mistake, which are expanded
+    usable: dict[str, UsableNode] = field(default_factory=dict)
     link_kind: LinkKindNode | None = None
     runtime: set[str] = field(default_factory=set)  # parameters that reach CTRL or COMM
     used_parameters: set[str] = field(default_factory=set)
     used_addresses: set[str] = field(default_factory=set)
-    computed: dict[str, Name] = field(default_factory=dict)  # addresses that stand in expressions, first use
+    # addresses that are used in expressions, with their first use
+    computed: dict[str, Name] = field(default_factory=dict)
     expanded: Counter[str] = field(
         default_factory=Counter
-    )  # constructor -> members that expand it, wrong or not
+    )  # constructor -> members that expand it, whether they are right or wrong
     wrong_head: set[str] = field(
         default_factory=set
-    )  # codes reported at the head, because all expansions differ
-    complete: bool = True  # no member is broken or missing
+    )  # codes that are reported at the head, because all expansions differ from it
+    complete: bool = True  # whether no member is broken or missing
     excused: Counter[str] = field(
         default_factory=Counter
-    )  # code -> unknown names that a name declared twice may have been meant for
+    )  # code -> unknown names that may be meant as a name that is declared twice
 
     @property
     def expansions(self) -> Iterable[ExpansionNode]:
@@ -71,19 +73,21 @@ class Scope:
         return (member for member in self.usable.values() if isinstance(member, ExpansionNode))
 
     def excuses(self, code: str) -> bool:
-        """Return whether a name declared twice may have been meant to be this unknown one. Then it is not a
-        second mistake."""
+        """Return whether this unknown name may be one that is lost because it was declared twice.
+
+        Then it is not a second mistake.
+        """
         self.excused[code] -= 1
         return self.excused[code] >= 0
 
     def link_property(self, key: str) -> Property | None:
-        """Return the property `key` of TOSNET or its like, if it is given."""
+        """Return the property `key` of TOSNET, MEMORY, DOUBLE_BUFFER or FIFO, if it is given."""
         properties = self.link_kind.properties if self.link_kind else ()
         return next((one for one in properties if one.key == key), None)
 
 
 def matched(parameters: list[Parameter], arguments: list[Argument]) -> Iterable[tuple[Parameter, Argument]]:
-    """Return the argument of each parameter. Omit arguments that fit none."""
+    """Return the argument of each parameter. Leave out arguments that fit no parameter."""
     if not any(argument.key for argument in arguments):
         return zip(parameters, arguments, strict=False)
     places = {parameter.text: parameter for parameter in parameters}
@@ -98,7 +102,10 @@ def matched(parameters: list[Parameter], arguments: list[Argument]) -> Iterable[
 
 
 class Scopes:
-    """The scopes of a program. `first` finds one by its name. `all` also has those declared twice."""
+    """The scopes of a program.
+
+    `first` finds a scope by its name. `all` also has scopes that are declared twice.
+    """
 
     def __init__(self, program: Program, declared: Declared, reporter: Reporter) -> None:
         self.program = program
@@ -134,7 +141,8 @@ class Scopes:
                 continue
             if not self._once(scope.members, member, member.name, "UL021"):
                 scope.excused["UL027"] += 1
-                if isinstance(member, (ElementNode, ExpansionNode)):  # its address is spoken for all the same
+                # its address counts as used all the same
+                if isinstance(member, (ElementNode, ExpansionNode)):
                     scope.used_addresses.add(member.name.text)
                 continue
             if isinstance(member, BrokenNode):
@@ -145,7 +153,7 @@ class Scopes:
                 scope.expanded[member.callee.text] += 1
 
     def _once(self, table: dict[str, _T], value: _T, name: Name, code: str) -> bool:
-        """Put `value` into `table` unless the name is there already: then report it."""
+        """Put `value` into `table`. If the name is already there, report it instead."""
         if name.text not in table:
             table[name.text] = value
             return True
@@ -190,7 +198,9 @@ class Scopes:
         self.reporter.report("UL095", *at, f"there is no link `{name.text}` with properties", advice)
 
     def _find_runtime_parameters(self) -> None:
-        """A parameter is a run-time one if it reaches CTRL or COMM, here or where it is handed down to."""
+        """A parameter is a run-time parameter if it reaches CTRL or COMM, here or in a constructor to which
+        it is passed.
+        """
         givers: dict[tuple[str, str], list[tuple[Scope, str]]] = {}
         for scope in self.all:
             for expansion in scope.expansions:
@@ -286,7 +296,7 @@ class Scopes:
         )
 
     def depends(self, scope: Scope, node: Expression, *, array: bool = False) -> bool:
-        """Does the value of an expression differ from expansion to expansion?"""
+        """Does the value of an expression differ between expansions?"""
         if isinstance(node, Argument) and node.literal:
             return False
         return any(
@@ -302,7 +312,10 @@ class Scopes:
         return False
 
     def news(self, what: str, name: Name) -> bool:
-        """Was this unknown name not reported before? A name that is missing is one mistake."""
+        """Is this the first report of an unknown name?
+
+        A missing name is one mistake, however often it is used.
+        """
         if (what, name.text) in self._unknown:
             return False
         self._unknown.add((what, name.text))

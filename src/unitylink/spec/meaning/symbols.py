@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The meaning of every name in a text, and its uses, for editors.
 
-It works on the syntax tree, so it also answers for a text that has mistakes.
+It works on the syntax tree, so it also works for a text with mistakes.
 
 >>> symbols = find_symbols("public a() { @x = 0x1: READ(); g = x; }")
 >>> [(s.kind, s.name, len(s.references)) for s in symbols.all]
@@ -50,8 +50,9 @@ class Symbol:
     """One name with one meaning.
 
     `kind` is "constructor", "parameter", "address", "element", "instance", "group", "constant", "enum",
-    "value" (of an enumeration), "bits", "field" or "link". `container` is what it belongs to. An address and
-    the member that takes it are one symbol: `declared` is its place in the head, `defined` the member's.
+    "value" (of an enumeration), "bits", "field" or "link". `container` is the thing to which it belongs. An
+    address and the member that takes it are one symbol. `declared` is its place in the head, and `defined` is
+    the member's place.
     """
 
     kind: str
@@ -69,23 +70,26 @@ class Symbol:
         return sorted([*own, *self.references], key=lambda name: name.start)
 
     def target(self, offset: int) -> Name:
-        """Return where a name is defined: for a member that takes an address the head, else the member."""
+        """Return where a name is defined.
+
+        For a member that takes an address, this is the head, else the member.
+        """
         at_member = self.defined is not None and self.defined.start <= offset <= self.defined.end
         first = self.declared if at_member else self.defined
         found = first or self.declared or self.defined
-        assert found is not None  # a symbol stands somewhere
+        assert found is not None  # every symbol has a place
         return found
 
 
 @dataclass
 class Scope:
-    """The symbols of one constructor and where its text begins and ends."""
+    """The symbols of one constructor, and the range of its text."""
 
     node: ConstructorNode
     start: int
     end: int
     parameters: dict[str, Symbol] = field(default_factory=dict)
-    members: dict[str, Symbol] = field(default_factory=dict)  # addresses too: they share their names
+    members: dict[str, Symbol] = field(default_factory=dict)  # with addresses, because they share their names
     callees: dict[str, str] = field(default_factory=dict)  # instance -> its constructor
 
 
@@ -100,7 +104,7 @@ class Symbols:
         self.links: dict[str, Symbol] = {}
         self.items: dict[
             str, dict[str, Symbol]
-        ] = {}  # of an enumeration its values, of packed bits its fields
+        ] = {}  # for an enumeration its values, for packed bits its fields
         self._by_name: dict[str, Scope] = {}
         for declaration in program.declarations:
             self._declare_one(declaration)
@@ -118,7 +122,7 @@ class Symbols:
             for member in scope.node.members:
                 self._refer(scope, member)
         length = len(sources.first.text)
-        self.scopes = [scope for scope in scopes if scope.start <= length]  # those of this text
+        self.scopes = [scope for scope in scopes if scope.start <= length]  # only the scopes of this text
         places = [(place, symbol) for symbol in self.all for place in symbol.places]
         self._places = sorted(places, key=lambda found: found[0].start)
         self._starts = [place.start for place, _ in self._places]
@@ -135,7 +139,7 @@ class Symbols:
             yield from table.values()
 
     def at(self, offset: int) -> tuple[Symbol, Name] | None:
-        """Return the symbol whose name stands at `offset` (or ends there), and the place."""
+        """Return the symbol whose name stands at `offset` (or ends there), and the place of the name."""
         index = bisect_right(self._starts, offset) - 1
         if index < 0:
             return None
@@ -143,7 +147,7 @@ class Symbols:
         return (symbol, place) if offset <= place.end else None
 
     def scope_at(self, offset: int) -> Scope | None:
-        """Return the constructor of this text that `offset` lies in."""
+        """Return the constructor of this text that contains `offset`."""
         return next((scope for scope in reversed(self.scopes) if scope.start <= offset), None)
 
     def scope_of(self, constructor: str) -> Scope | None:
@@ -172,7 +176,7 @@ class Symbols:
         source = self.sources.at(node.name.start)
         scope = Scope(node, node.name.start, source.base + len(source.text))
         name = node.name.text
-        if name in self.constructors:  # declared twice: reported elsewhere, and here it is another use
+        if name in self.constructors:  # a second declaration is reported elsewhere, and counts here as a use
             self.constructors[name].references.append(node.name)
         else:
             text = node.notes.documentation

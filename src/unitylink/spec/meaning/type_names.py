@@ -14,7 +14,7 @@ _WIDTHS = range(1, 65)
 _FLOATS = (32, 64)
 _LETTERS = {"u": "uint", "i": "int", "f": "float"}
 _BUILT_IN = re.compile(r"bool|signed|u?fixed|[uif]([0-9]{1,3})?")
-BUILT_IN_TYPES = (  # those people write; widths between them are rare
+BUILT_IN_TYPES = (  # the ones that people write; widths between them are rare
     "bool",
     "u8",
     "u16",
@@ -45,7 +45,7 @@ _FOREIGN_WIDTH = re.compile(r"(u?int|s|float|uint)([0-9]{1,2})(_t)?")
 
 
 class TypeNames:
-    """Resolves the types of a spec. `enums` and `bits` grow while they are declared."""
+    """Resolves the types of a spec. `enums` and `bits` grow while types are declared."""
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class TypeNames:
         self._known: dict[str, ValueType] = {"bool": ValueType("bool", 1)}
 
     def may_be_declared(self, name: Name) -> bool:
-        """Report a type that is to be called like a built-in one."""
+        """Report a type with the name of a built-in one."""
         if not _BUILT_IN.fullmatch(name.text):
             return True
         message = f"`{name.text}` is the name of a built-in type"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Diagnostics: what is wrong in a spec, where, what to do about it, and how that is shown."""
+"""Diagnostics: what is wrong in a spec, where it is, what to do about it, and how this is shown."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ..source import Source, Sources
 from .codes import CODES
 from .suggest import nearest
 
-KEPT = 1000  # diagnostics of one compilation that are kept
-SHOWN = 100  # diagnostics that `render` prints
-_SUGGESTIONS = 20  # names searched for a near miss in one compilation
+KEPT = 1000  # the most diagnostics that one compilation keeps
+SHOWN = 100  # the most diagnostics that `render` prints
+_SUGGESTIONS = 20  # the most names for which one compilation looks for similar ones
 
 _RED, _YELLOW, _BLUE, _BOLD, _OFF = "\x1b[1;31m", "\x1b[1;33m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
 
@@ -34,7 +34,10 @@ class Label:
 
 @dataclass(frozen=True)
 class Fix:
-    """A fix that a machine may make: put `replacement` in place of `span`. An empty span inserts."""
+    """A fix that a program may make. It puts `replacement` in place of `span`.
+
+    An empty span means an insertion.
+    """
 
     span: Span
     replacement: str
@@ -42,9 +45,11 @@ class Fix:
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One mistake ("error") or doubt ("warning") in a spec. `code` never changes, `hint` says what to do.
+    """One mistake ("error") or doubt ("warning") in a spec.
 
-    `labels` are further places. `fixes`, made together, mend it without changing the meaning.
+    `code` never changes, and `hint` says what to do.
+
+    `labels` are further places. `fixes`, made together, mend it without a change of meaning.
     """
 
     severity: str
@@ -59,7 +64,7 @@ class Diagnostic:
     fixes: tuple[Fix, ...] = ()
 
     def to_json(self) -> dict[str, object]:
-        """Return the form `--json` prints."""
+        """Return the form that `--json` prints."""
         return {
             "severity": self.severity,
             "code": self.code,
@@ -81,11 +86,12 @@ class Diagnostic:
         }
 
 
-Edit = tuple[int, int, str]  # put the text where the characters from the first to the second offset are
+# (first offset, second offset, text): the text replaces the characters between the offsets
+Edit = tuple[int, int, str]
 
 
 class Advice(NamedTuple):
-    """What to do about a mistake: a text for a person, and fixes for a machine if they are certain."""
+    """What to do about a mistake: a text for a person and, if they are certain, fixes for a program."""
 
     text: str
     fixes: tuple[Edit, ...] = ()
@@ -95,12 +101,13 @@ class Advice(NamedTuple):
 
 
 class Reporter:
-    """Collects the diagnostics of one compilation, each of them once for each place."""
+    """Collects the diagnostics of one compilation, each only once for each place."""
 
     def __init__(self, source: Source) -> None:
         self.sources = Sources(source)
-        self.failed = False  # an error was reported
-        self.placed_at: tuple[int, int] | None = None  # the component under way, in the user's text
+        self.failed = False  # true after an error was reported
+        # the component that is being expanded, in the user's text
+        self.placed_at: tuple[int, int] | None = None
         self._found: dict[tuple[str, int], Diagnostic] = {}
         self._suggestions = _SUGGESTIONS
 
@@ -114,7 +121,7 @@ class Reporter:
         *,
         labels: Iterable[tuple[int, int, str]] = (),
     ) -> None:
-        """Add a diagnostic about the characters `start` to `end`. Each code is reported once at a place.
+        """Add a diagnostic about the characters `start` to `end`. Each code is reported once at each place.
 
         `labels` are (start, end, text) of further places. A mistake inside the component library is reported
         at the place that uses the component, because users cannot mend the library.
@@ -140,8 +147,10 @@ class Reporter:
         )
 
     def place(self, start: int, end: int) -> tuple[int, int]:
-        """Return the place to report for these characters. If they are in a component's file, it is where
-        that is used."""
+        """Return the place that is reported for these characters.
+
+        If they are in a component's file, it is the place that uses the component.
+        """
         return self.placed_at if self.placed_at and self.sources.in_library(start) else (start, end)
 
     @contextmanager
@@ -155,14 +164,16 @@ class Reporter:
 
     @property
     def full(self) -> bool:
-        """Whether no more diagnostics are kept. Then there is no need to look for more."""
+        """Whether no more diagnostics are kept. Then it is useless to look for more."""
         return len(self._found) >= KEPT
 
     def did_you_mean(
         self, name: str, candidates: Iterable[str], otherwise: str = "", at: tuple[int, int] | None = None
     ) -> Advice:
-        """Advise the candidate most similar to `name`, or `otherwise` without one. `at` is where to put
-        it."""
+        """Advise the candidate that is most similar to `name`. If there is none, advise `otherwise`.
+
+        `at` is the place for it.
+        """
         self._suggestions -= 1
         found = nearest(name, candidates) if self._suggestions >= 0 else None
         if found is None:
@@ -170,7 +181,10 @@ class Reporter:
         return Advice(f"did you mean `{found}`?", () if at is None else ((*at, found),))
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """Return all diagnostics in the order of the text, the first file's before those of its imports."""
+        """Return all diagnostics in the order of the text.
+
+        Those of the first file come before those of its imports.
+        """
         ordered = [self._found[key] for key in sorted(self._found, key=lambda key: (key[1], key[0]))]
         if self.full:
             message = f"there are more than {KEPT:,} diagnostics; the rest is not listed"
@@ -183,7 +197,7 @@ class Reporter:
 def render(diagnostics: Sequence[Diagnostic], *, color: bool = False) -> str:
     """Return the report for a person: each diagnostic with its line and a caret, then a summary line.
 
-    At most 100 are shown, then the number of the others. Without diagnostics the report is empty.
+    At most 100 are shown. Then comes the number of the others. Without diagnostics the report is empty.
     """
     if not diagnostics:
         return ""
@@ -202,7 +216,7 @@ def summary(diagnostics: Sequence[Diagnostic]) -> str:
 
 
 def _columns(text: str) -> int:
-    """Return how many columns of a terminal `text` takes: wide characters two, combining ones none."""
+    """Return how many columns of a terminal `text` needs. Wide characters need two, combining ones none."""
     if text.isascii():
         return len(text)
     return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
@@ -235,7 +249,7 @@ def _render_one(diagnostic: Diagnostic, color: bool) -> str:
 
 
 def _snippet(place: Label, mark: str, margin: str, colors: tuple[str, str, str]) -> list[str]:
-    """Return a line of the source and the marks under a part of it."""
+    """Return a line of the source, with marks under a part of it."""
     accent, blue, off = colors
     before, under = place.excerpt[: place.caret], place.excerpt[place.caret : place.caret + place.width]
     marks = " " * _columns(before) + mark * max(1, _columns(under))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares two specs by meaning: does a program for the old one work with gateware of the new one?
+"""Compare two specs by meaning: does a program for the old one work with gateware of the new one?
 
 >>> from unitylink.spec.compile import compile_text
 >>> old = compile_text("public a() { @x = 0x1: READ(); }").spec
@@ -24,20 +24,20 @@ _WIDER = {("READ", "READWRITE"), ("WRITE", "READWRITE")}
 class Change:
     """One difference.
 
-    `kind` is "added", "removed", "renamed", "moved" or "changed", `path` the new name (the old one where it
-    was removed) with its public constructor. `compatible`: a program and gateware on either side of this
-    change still understand each other.
+    `kind` is "added", "removed", "renamed", "moved" or "changed". `path` is the new name with its public
+    constructor, or the old one if it was removed. `compatible` means that a program and gateware on either
+    side of this change still understand each other.
     """
 
     kind: str
     path: str
-    what: str  # of a change: "type", "access", "scale" …
+    what: str  # what has changed: "type", "access", "scale" …
     before: str
     after: str
     compatible: bool
 
     def to_json(self) -> dict[str, object]:
-        """Return the change as JSON has it."""
+        """Return the change for JSON."""
         return {
             "kind": self.kind,
             "path": self.path,
@@ -49,9 +49,9 @@ class Change:
 
 
 def compare(old: Spec, new: Spec) -> tuple[Change, ...]:
-    """Return every difference of meaning, in the order of the new spec, with removals last.
+    """Return every difference of meaning. They are in the order of the new spec, with removals last.
 
-    Layout, comments in the text and the names of specs and files mean nothing.
+    Layout, comments and the names of specs and files do not count.
     """
     before, after = dict(_elements(old)), dict(_elements(new))
     renamed = _renamed(before, after)
@@ -152,7 +152,7 @@ def _publish(publish: Publish | None) -> str:
 
 
 def _meaning(kind: ValueType) -> tuple[object, ...]:
-    """Return the parts of a type that reach the wire or change a value: all but names and documentation."""
+    """Return the parts of a type that reach the wire or change a value. Names and documentation do not."""
     values = tuple((v.name, v.value) for v in kind.enum.values) if kind.enum else ()
     fields = tuple((f.name, _field_meaning(f)) for f in kind.fields)
     return kind.kind, kind.width, kind.fraction, bool(kind.enum and kind.enum.open), values, fields
@@ -198,7 +198,7 @@ def _other_changes(old: Spec, new: Spec) -> Iterator[Change]:
 
 
 def _facts(spec: Spec) -> dict[tuple[str, str], tuple[str, bool]]:
-    """Return {(path, what): (fact, does a change of it leave both sides compatible)}."""
+    """Return {(path, what): (fact, whether both sides are still compatible after a change of it)}."""
     found: dict[tuple[str, str], tuple[str, bool]] = {}
     for device in spec.devices:
         path = f"{device.root}({device.comm})" if device.comm else device.root

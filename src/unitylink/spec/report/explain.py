@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each diagnostic means: a text, a wrong spec and its mended form, from `explanations/CODE.md`.
+"""The meaning of each diagnostic: a text, a wrong spec and its mended form, from `explanations/CODE.md`.
 
 >>> explain("UL013").title
 'closing brace without an opening one'
@@ -20,8 +20,11 @@ _MARK = re.compile(r"^( *)(\^+)\n", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Explanation:
-    """One code explained. `wrong` and `mended` are whole specs, or "" if an example would be too long. The
-    diagnostic is in `wrong` at `line` and `column` (from 1) and is `width` characters wide."""
+    """The explanation of one code.
+
+    `wrong` and `mended` are whole specs, or "" if an example would be too long. The diagnostic is in `wrong`
+    at `line` and `column` (from 1). It is `width` characters wide.
+    """
 
     code: str
     severity: str
@@ -35,7 +38,7 @@ class Explanation:
 
     @property
     def marked(self) -> str:
-        """The wrong spec with carets under the place of the diagnostic."""
+        """The wrong spec, with carets under the place of the diagnostic."""
         lines = self.wrong.splitlines(keepends=True)
         lines.insert(self.line, " " * (self.column - 1) + "^" * self.width + "\n")
         return "".join(lines)
@@ -43,7 +46,10 @@ class Explanation:
 
 @cache
 def explain(code: str) -> Explanation:
-    """Return the explanation of a code such as "UL013". Raise KeyError naming a code that does not exist."""
+    """Return the explanation of a code such as "UL013".
+
+    Raises KeyError, with the code, if it does not exist.
+    """
     kind = CODES[code]
     page = files(__package__).joinpath("explanations").joinpath(f"{code}.md").read_text("utf-8")
     text = page.split("\n```ul", maxsplit=1)[0].strip()

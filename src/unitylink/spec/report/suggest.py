@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Near misses: the name that was probably meant."""
+"""Similar names: find the one that was probably meant."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 
-# Words of other languages, and the words for the same things in ours.
+# Words of other languages -> the words for the same things in UL-spec.
 _FOREIGN = {
     **dict.fromkeys(("r", "ro", "in", "input"), "READ"),
     **dict.fromkeys(("w", "wo", "out", "output"), "WRITE"),
@@ -18,11 +18,12 @@ _FOREIGN = {
     **dict.fromkeys(("wpulse", "singlepulse", "strobe"), "PULSE"),
 }
 _PARTS = re.compile(r"[_.]")
-_CANDIDATES = 500  # compared for one name: bounds the time a spec full of mistakes takes
+# the most that are compared for one name, which limits the time for a spec full of mistakes
+_CANDIDATES = 500
 
 
 def distance(a: str, b: str, limit: int) -> int:
-    """Return how many characters differ (inserted, deleted, replaced, swapped), at most `limit` + 1.
+    """Return how many characters differ (inserted, deleted, replaced, swapped). It counts up to `limit` + 1.
 
     >>> distance("jiont", "joint", 2)
     1
@@ -47,8 +48,8 @@ def distance(a: str, b: str, limit: int) -> int:
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
     """Return the candidate most similar to `name`, or None. A difference only in case is the smallest.
 
-    The word for the same thing in another language is similar too. If there is none, a candidate that
-    contains `name` as one of its parts is taken.
+    The word for the same thing in another language is similar, too. If nothing is similar, a candidate with
+    `name` as one of its parts is taken.
 
     >>> nearest("jiont", ["leg", "joint"]), nearest("rw", ["READ", "READWRITE"])
     ('joint', 'READWRITE')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A place in the tokens, and how it moves: expect, look ahead, report, skip mistakes."""
+"""A place in the tokens, and its movements: expect, look ahead, report, skip mistakes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from ..source import Source
 from .lexer import Tokens
 from .syntax import Name
 
-_WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")  # no member's beginning
-_AHEAD = 64  # most tokens looked ahead; without a limit the time for many open brackets would be quadratic
+# no member begins with these
+_WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")
+_AHEAD = 64  # the most tokens of a look-ahead; without a limit, many open brackets would take quadratic time
 LINK_KINDS = ("TOSNET", "MEMORY", "DOUBLE_BUFFER", "FIFO")
 ACCESS_WORDS = ("READ", "WRITE", "READWRITE", "W1C", "PULSE", "READCLEAR")
 
@@ -20,7 +21,7 @@ _IN_HEAD = ("name", "keyword", "number", "string", ",", ":", "=", "+", "-", "*")
 
 
 class Panic(Exception):
-    """The next tokens cannot be read. A diagnostic was given. Never leaves this file."""
+    """The next tokens cannot be read. A diagnostic has been given. This never leaves the file."""
 
 
 class Cursor:
@@ -33,8 +34,8 @@ class Cursor:
         self.kinds = tokens.kinds
         self.texts = tokens.texts
         self.i = 0
-        self.broken = False  # the member being read has a mistake that leaves its meaning open
-        self.first = 0  # the token the member or head being read starts with
+        self.broken = False  # true if the current member has a mistake that leaves its meaning open
+        self.first = 0  # the first token of the current member or head
 
     # --- words ----------------------------------------------------------------------------------------------
 
@@ -51,7 +52,7 @@ class Cursor:
         return Name(text, self.tokens.starts[self.i - 1], self.tokens.ends[self.i - 1])
 
     def names(self, what: str) -> list[Name]:
-        """Read names and the `)` after them. The `(` is read already."""
+        """Read names and the `)` after them. The `(` has already been read."""
         if self.accept(")"):
             return []
         names = [self.name(what)]
@@ -78,7 +79,7 @@ class Cursor:
             if self.kinds[self.i] == "}" and self.at_member(self.i + 1):
                 self.unexpected("`;`")
                 self.broken = True
-                self.i += 1  # it stands for the `;`: the body goes on
+                self.i += 1  # it stands for the `;`, and the body continues
                 return
             if not self.faulty():
                 end = self.tokens.ends[self.i - 1]
@@ -91,9 +92,10 @@ class Cursor:
     # --- looking ahead, reporting, skipping -----------------------------------------------------------------
 
     def at_head(self, i: int | None = None, *, keyword: bool = False) -> bool:
-        """Is this, or token `i`, the beginning of a constructor: `public`, or `name(names)` and `:` or `{`?
+        """Does a constructor begin here, or at token `i`: `public`, or `name(names)` and `:` or `{`?
 
-        Annotations may stand before it. With `keyword` one whose name is a keyword by mistake counts too.
+        Annotations may stand before it. With `keyword`, a constructor whose name is a keyword by mistake
+        counts too.
         """
         kinds = self.kinds
         i = self.behind_annotations(self.i if i is None else i)
@@ -105,12 +107,12 @@ class Cursor:
         last = i + _AHEAD
         while i < last and kinds[i] in _IN_HEAD:
             i += 1
-        while kinds[i] in ("name", ","):  # a classic head may be as long as it likes
+        while kinds[i] in ("name", ","):  # a classic head may have any length
             i += 1
         return kinds[i] == ")" and kinds[i + 1] in (":", "{")
 
     def at_member(self, i: int | None = None) -> bool:
-        """Is this, or token `i`, the beginning of a member that cannot be the rest of another?"""
+        """Does a member begin here, or at token `i`, which cannot be the rest of another one?"""
         kinds = self.kinds
         if i is None:
             i = self.i
@@ -119,7 +121,7 @@ class Cursor:
         if kinds[i] == "@" and kinds[i + 1] == "name":
             return kinds[i + 2] in (":", "[") or (kinds[i + 2] == "=" and self._addressed_by(i + 3))
         if self.at_link_kind(i):
-            return not self.at_head(i)  # a constructor may be called FIFO
+            return not self.at_head(i)  # FIFO may be the name of a constructor
         if kinds[i] == "name" and kinds[i + 1] == "[":
             i = self._behind_index(i + 1) - 1
             return kinds[i + 1] == ":"
@@ -131,14 +133,17 @@ class Cursor:
         return self.kinds[i] == "@" and self.kinds[i + 1] == "name" and self.kinds[i + 2] == "("
 
     def behind_annotations(self, i: int) -> int:
-        """Return the first token from `i` on that belongs to no annotation, as far as one looks ahead."""
+        """Return the first token from `i` on that belongs to no annotation.
+
+        The search goes only so far ahead.
+        """
         last = i + _AHEAD
         while i < last and self.at_annotation(i):
             i = self.behind_bracket(i + 2)
         return i
 
     def behind_bracket(self, i: int) -> int:
-        """Return the token behind the `)` that closes the `(` at token `i`, or one where it cannot be."""
+        """Return the token after the `)` that closes the `(` at token `i`, or one where the `)` cannot be."""
         depth = 0
         for j in range(i, min(i + _AHEAD, len(self.kinds) - 5)):
             depth += (self.kinds[j] == "(") - (self.kinds[j] == ")")
@@ -149,7 +154,7 @@ class Cursor:
         return i
 
     def _addressed_by(self, i: int) -> bool:
-        """Is the expression at token `i` an element's address: does a `:` follow it?"""
+        """Is the expression at token `i` an element's address, so that a `:` follows it?"""
         kinds = self.kinds
         if kinds[i] == "number" and kinds[i + 1] == ":":
             return True
@@ -161,7 +166,7 @@ class Cursor:
         return False
 
     def _behind_index(self, i: int) -> int:
-        """Return the token behind the `]` that closes the `[` at token `i`, or one that is no `:`."""
+        """Return the token after the `]` that closes the `[` at token `i`, or one that is no `:`."""
         for j in range(i, i + _AHEAD):
             if self.kinds[j] == "]":
                 return j + 1
@@ -170,7 +175,10 @@ class Cursor:
         return i
 
     def at_link_kind(self, i: int) -> bool:
-        """Is token `i` the beginning of `TOSNET(…)` or its like? Only the first of them is a keyword."""
+        """Does `TOSNET(…)`, `MEMORY(…)`, `DOUBLE_BUFFER(…)` or `FIFO(…)` begin at token `i`?
+
+        Of these words, only TOSNET is a keyword.
+        """
         if self.texts[i] not in LINK_KINDS or self.kinds[i + 1] != "(":
             return False
         if self.kinds[i] == "keyword":
@@ -178,7 +186,7 @@ class Cursor:
         return self.kinds[i] == "name" and not self.at_head(i)
 
     def at_nested(self) -> bool:
-        """Is this a whole constructor inside a body: do members follow its closing brace?"""
+        """Is this a whole constructor inside of a body, so that members follow its closing brace?"""
         if not self.at_head() or self.at_public_member():
             return False
         i = self.i
@@ -212,14 +220,16 @@ class Cursor:
         return "\n" in between or "\r" in between
 
     def faulty(self) -> bool:
-        """Return whether the lexer found a mistake in the current text. Then a wrong token there is not
-        reported again."""
+        """Return whether the lexer found a mistake in the current text.
+
+        Then a wrong token there is not reported again.
+        """
         if self.kinds[self.i] == "end" and self.tokens.truncated:
             return True
         return self._fault_before(self.tokens.ends[self.i])
 
     def touched(self) -> bool:
-        """Like `faulty`, for the text before the next token."""
+        """The same as `faulty`, for the text before the next token."""
         return self._fault_before(self.tokens.ends[self.i - 1] if self.i else 0)
 
     def _fault_before(self, end: int) -> bool:
@@ -234,16 +244,16 @@ class Cursor:
 
     @staticmethod
     def replace(text: str, start: int, end: int, replacement: str) -> Advice:
-        """Advise to put `replacement` where the characters `start` to `end` are."""
+        """Advise `replacement` for the characters from `start` to `end`."""
         return Advice(text, ((start, end, replacement),))
 
     def report(self, code: str, i: int, message: str, hint: str | Advice) -> None:
         self.reporter.report(code, self.tokens.starts[i], self.tokens.ends[i], message, hint)
 
     def unexpected(self, what: str, hint: str | Advice = "", *, begins: bool = False) -> Panic:
-        """Report that `what` was expected where the current token stands. Return the exception to raise.
+        """Report that `what` was expected instead of the current token. Return the exception to raise.
 
-        With `begins` that is the beginning of something: nothing before it is missing.
+        With `begins`, something begins at this token, so nothing is missing before it.
         """
         if self.faulty():
             return Panic()
@@ -252,14 +262,14 @@ class Cursor:
         found = {"end": "the end of the file", "string": "a string"}.get(kind, f"`{text[:40]}`")
         start, end = self.tokens.starts[i], self.tokens.ends[i]
         if i and (kind == "end" or (self.on_new_line() and not begins)):
-            start = end = self.tokens.ends[i - 1]  # behind the line where it is missing
+            start = end = self.tokens.ends[i - 1]  # after the line in which it is missing
         if not hint and i and self.kinds[i - 1] == "," and kind in (")", ";", "{", "}"):
             hint = self.replace("remove the `,`", *self.place(i - 1), "")
         self.reporter.report("UL010", start, end, f"expected {what} but found {found}", hint)
         return Panic()
 
     def skip_member(self) -> None:
-        """Go behind the next `;`, or to a `}`, a head, or a line that starts like a member."""
+        """Move past the next `;`, or to a `}`, a head, or a line that starts like a member."""
         depth = sum((k in "({") - (k == ")") for k in self.kinds[self.first : self.i])
         first = self.i
         while (kind := self.kinds[self.i]) != "end":
@@ -274,11 +284,13 @@ class Cursor:
             self.i += 1
 
     def _goes_on(self, inside: bool, wrong: bool) -> bool:
-        """Return whether the member goes on after this `;` or `}` in its line. Then that mark is the mistake.
+        """Return whether the member continues after this `;` or `}` in the same line.
 
-        `inside` brackets everything belongs to the member, except the beginning of a constructor. `wrong`
-        says that this token was not expected. Then a token that cannot begin anything belongs to the member
-        too.
+        Then this mark is the mistake.
+
+        Within brackets (`inside`), everything belongs to the member, except the beginning of a constructor.
+        `wrong` says that this token was not expected. Then a token that cannot begin anything belongs to the
+        member, too.
         """
         i = self.i + 1
         kind = self.kinds[i]
@@ -294,7 +306,7 @@ class Cursor:
         return wrong and (kind in ("(", ")", ",", ";", "number", "string") or self.texts[i] in _WITHIN)
 
     def skip_to_body(self) -> bool:
-        """After a broken head go to its members. Return False if there are none."""
+        """After a broken head, move to its members. Return False if there are none."""
         while (kind := self.kinds[self.i]) != "end":
             if kind in ("{", "}"):
                 self.i += kind == "{"
@@ -307,7 +319,7 @@ class Cursor:
         return False
 
     def skip_to_head(self) -> None:
-        """Go to the next thing that may stand outside constructors, over bodies in braces."""
+        """Move to the next thing that may stand outside of constructors. Bodies in braces are skipped."""
         depth = 0
         first = self.i
         while (kind := self.kinds[self.i]) != "end":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading what stands beside constructors: `import`, `const`, `enum`, `bits`, and links with properties.
+"""Read what stands beside constructors: `import`, `const`, `enum`, `bits`, and links with properties.
 
-None of these words is a keyword: `const` begins a constant only where a name follows it.
+None of these words is a keyword. For example, `const` begins a constant only if a name follows it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .syntax import (
     TypeNode,
 )
 
-_NO_TYPE = TypeNode(Name("", 0, 0), [], 0)  # of a declaration that is reported, and not used
+_NO_TYPE = TypeNode(Name("", 0, 0), [], 0)  # for a declaration with a mistake; it is never used
 
 
 class DeclarationReader(MemberReader):
@@ -43,7 +43,7 @@ class DeclarationReader(MemberReader):
             return texts[i + 1] == "enum" and kinds[i + 1 : i + 3] == ["name", "name"]
         if texts[i] == "const":
             return kinds[i + 1] in ("name", "keyword") and kinds[i + 2] == "="
-        # without the `:` it lacks its type, and a constructor it cannot be
+        # without the `:` it lacks its type, and it cannot be a constructor
         declared = kinds[i + 1] in ("name", "keyword") and kinds[i + 2] in (":", "{")
         return texts[i] in ("enum", "bits") and declared
 
@@ -136,7 +136,7 @@ class DeclarationReader(MemberReader):
         return self.accept("}")
 
     def _item_ends(self, item: FieldNode | EnumValueNode) -> None:
-        """The `;` behind the last one may be left out."""
+        """The `;` after the last one may be missing."""
         if self.kinds[self.i] != "}":
             following = self.kinds[self.i + 1]
             if self.kinds[self.i] == "," or (self.kinds[self.i] == "name" and following in ("=", ":")):
@@ -176,13 +176,13 @@ class DeclarationReader(MemberReader):
         return item
 
     def link(self, program: Program, name: Name, notes: Notes) -> None:
-        """Read the properties of a link. Its name is read already."""
+        """Read the properties of a link. Its name has already been read."""
         node = LinkNode(name, self.properties(LINK_PROPERTIES), notes)
         program.declarations.append(node)
 
 
 def _number(argument: Argument) -> int:
-    """Return the whole number that stands there, 0 where something else does."""
+    """Return the whole number of an argument, or 0 if it is something else."""
     part = argument.parts[0]
     plain = argument.literal and isinstance(part, Number) and isinstance(part.value, int)
     return part.value if plain else 0  # type: ignore[union-attr, return-value]

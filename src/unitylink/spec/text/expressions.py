@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading expressions: numbers with units, strings, names, `+ - * / % << >> & |` and brackets."""
+"""Read expressions: numbers with units, strings, names, `+ - * / % << >> & |` and brackets."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from .cursor import Cursor, Panic
 from .lexer import unescape
 from .syntax import Argument, Expression, Name, Number, Operation, Text
 
-MAX_OPERATIONS = 200  # most levels of one expression; the terms of a sum count as one
-MAX_EXPONENT = 60  # of a decimal number: 1e60
+MAX_OPERATIONS = 200  # most levels of one expression; all terms of a sum count as one level
+MAX_EXPONENT = 60  # the largest exponent of a decimal number: 1e60
 
-# How tightly operators bind. A sum is read apart: it may be as long as the text.
+# How strongly operators bind. A sum is read separately, because it may be as long as the text.
 _LOOSER = {"|": 1, "&": 2, "<<": 3, ">>": 3}
 _PRODUCT = ("*", "/", "%")
 _ENDS = frozenset((")", ",", ";", ":", "]"))
@@ -21,12 +21,13 @@ _ENDS = frozenset((")", ",", ";", ":", "]"))
 class ExpressionReader(Cursor):
     """A cursor that reads expressions."""
 
-    operations = 0  # of the expression being read
+    operations = 0  # operators in the current expression
 
     def argument(self, what: str, key: Name | None = None) -> Argument:
-        """Read an expression. The parts of a sum are joined when their values are known."""
+        """Read an expression. The parts of a sum are joined later, when their values are known."""
         self.operations = 0
-        if self.kinds[self.i + 1 if self.kinds[self.i] != "end" else self.i] in _ENDS:  # most are one word
+        # most expressions are one word
+        if self.kinds[self.i + 1 if self.kinds[self.i] != "end" else self.i] in _ENDS:
             one = self._operand(what)
             return Argument([one], one.start, one.end, key)
         return self._argument(what, 1, key)
@@ -79,7 +80,7 @@ class ExpressionReader(Cursor):
         raise self.unexpected(what)
 
     def _operator(self) -> None:
-        """Go behind an operator or an opening bracket, unless there are too many of them."""
+        """Move past an operator or an opening bracket, unless there are too many of them."""
         self.operations += 1
         if self.operations > MAX_OPERATIONS:
             message = f"more than {MAX_OPERATIONS} operators in one expression"
@@ -105,18 +106,19 @@ class ExpressionReader(Cursor):
         return Number(value, start, end, unit)
 
     def _ends_behind(self, i: int) -> bool:
-        """Does the expression end behind token `i`? Then a `%` there is the unit and no operator."""
+        """Does the expression end after token `i`? Then a `%` there is a unit and not an operator."""
         return self.kinds[i] == "string" or self.kinds[i + 1] in (")", ",", ";", "]")
 
     def _value(self, text: str) -> int | Fraction:
         try:
-            if text.isdecimal() and len(text) <= 20:  # most are; isdecimal, for int() takes no other digits
+            # most numbers are; isdecimal, because int() accepts other digits too
+            if text.isdecimal() and len(text) <= 20:
                 return int(text)
             prefix = text[:2].lower()
             if prefix in ("0x", "0b"):
                 digits = text[2:].lstrip("0") or "0"
                 base, most = (16, 20) if prefix == "0x" else (2, 80)
-                return int(digits, base) if len(digits) <= most else 1 << 64  # of a long text int() is slow
+                return int(digits, base) if len(digits) <= most else 1 << 64  # int() is slow for a long text
             if text.isdigit():
                 digits = text.lstrip("0") or "0"
                 return int(digits) if len(digits) <= 20 else 1 << 64
@@ -127,6 +129,6 @@ class ExpressionReader(Cursor):
                 return 0
             value = Fraction(text)
             return value if value.denominator > 1 else value.numerator
-        except ValueError:  # malformed, and reported as UL008
+        except ValueError:  # malformed, and already reported as UL008
             self.broken = True
             return 0

@@ -15,7 +15,7 @@ from ..source import MAX_BYTES, Source
 from .lexer import Tokens
 from .parser import parse
 
-WIDTH = 110  # a longer statement goes on in the next line, behind a comma
+WIDTH = 110  # a longer statement continues in the next line, after a comma
 _INDENT = "   "
 _CONTINUATION = "      "  # added to the indent of a statement's further lines
 _WORDS = ("name", "keyword", "number", "string")
@@ -23,7 +23,7 @@ _NEW_LINE = re.compile(r"\r\n?|\n")
 
 
 def format_text(text: str, file: str = "<text>") -> str:
-    r"""Return `text` in the canonical layout. Raise `SpecError` if it has syntax errors.
+    r"""Return `text` in the canonical layout. Raises `SpecError` if it has syntax errors.
 
     >>> format_text("public led(){@on=0x10:WRITE( ID = 'LED' ,CRC);} // one\n")
     "public led() {\n   @on = 0x10: WRITE(ID='LED', CRC);\n}  // one\n"
@@ -42,20 +42,19 @@ class _Writer:
     def __init__(self, text: str, tokens: Tokens) -> None:
         self.text = text
         self.tokens = tokens
-        self.lines: list[list[str]] = []  # each as the parts it is put together from
-        self.pieces: list[
-            list[str]
-        ] = []  # words of the line being written; it may be broken between two pieces
+        self.lines: list[list[str]] = []  # each line as its parts
+        self.pieces: list[list[str]] = []  # words of the current line, which may be broken between two pieces
         self.in_statement = False
-        self.continued = False  # the line being written is not the statement's first
+        self.continued = False  # true if the current line is not the first one of its statement
         self.depth = 0
-        self.opened = False  # the line before opened a body
-        self.brackets: list[bool] = []  # for each open bracket: is there a space behind its commas?
-        self.annotation = False  # what is being written is an annotation before the statement
-        self.first = ""  # word of the statement
-        self.of_type: list[bool] = []  # for each open body: is it that of an enumeration or of packed bits?
-        self.head = False  # the statement has had no `:` yet, so its `=` is a definition
-        self.previous = ""  # the token before, "" at the beginning of a statement
+        self.opened = False  # true if the line before opened a body
+        self.brackets: list[bool] = []  # for each open bracket: is there a space after its commas?
+        self.annotation = False  # true within an annotation before the statement
+        self.first = ""  # first word of the statement
+        # for each open body: does it belong to an enumeration or to packed bits?
+        self.of_type: list[bool] = []
+        self.head = False  # true if the statement has had no `:` yet, so that its `=` is a definition
+        self.previous = ""  # the token before this one, or "" at the beginning of a statement
         self.before_previous = ""
         self.previous_kind = ""
         self.commented = False  # a comment stands between the token before and this one
@@ -95,7 +94,7 @@ class _Writer:
         kind = self.tokens.kinds[i]
         if kind == "}":
             if self.in_statement and self.of_type and self.of_type[-1]:
-                self._end_statement()  # the last `;` of an enumeration may be left out
+                self._end_statement()  # the last `;` of an enumeration may be missing
             if not self.in_statement:
                 self.depth -= 1
                 if self.of_type:
@@ -127,7 +126,7 @@ class _Writer:
         self.in_statement = self.continued = self.annotation = False
 
     def _note(self, word: str, i: int) -> None:
-        """Remember the facts that decide the spaces after this token."""
+        """Remember the facts that decide about the spaces after this token."""
         kind = self.tokens.kinds[i]
         if kind == "(":
             self.brackets.append(self._is_spaced(i))
@@ -140,14 +139,15 @@ class _Writer:
         self.before_previous, self.previous, self.previous_kind = self.previous, word, kind
 
     def _is_spaced(self, i: int) -> bool:
-        """Is there a space behind the commas of the bracket that opens at token `i`?"""
+        """Is there a space after the commas of the bracket that opens at token `i`?"""
         if self.annotation or self.first == "link" or self.previous in ("TOSNET", "READ", "WRITE"):
             return True
         if self.previous in ("@", "=", "fixed", "ufixed", "ALL"):
             return False
         if self.depth > 0 and self.previous != "PUBLISH":
             return True
-        kinds = self.tokens.kinds  # a head, or PUBLISH: as the published language has it, if that is all
+        # a head, or PUBLISH, has the layout of the published language if it has nothing else
+        kinds = self.tokens.kinds
         behind = i
         while kinds[behind] not in (")", ";", "{", "}", "end"):
             behind += 1
@@ -166,7 +166,7 @@ class _Writer:
             return "@" in (kind, previous) or kind == "("
         if self.first == "link" and kind == "(":
             return not self.brackets
-        if previous == "@":  # `@ (0x1,0x2)` and `@ 0x1` bind, `@l=0x1` names
+        if previous == "@":  # `@ (0x1,0x2)` and `@ 0x1` bind addresses, `@l=0x1` names them
             names = kind == "name" and (self.tokens.kinds[i + 1] == "=" or self.before_previous != ")")
             return not names and kind != "keyword"
         return kind == "{" or (kind == "@" and previous == ")")
@@ -200,7 +200,7 @@ class _Writer:
         self.pieces = []
 
     def _blank_line(self, breaks: int) -> None:
-        """Reduce several blank lines to one, and remove them at the beginning of the file or of a body."""
+        """Reduce several blank lines to one. Remove them at the beginning of the file or of a body."""
         if breaks > 1 and self.lines and not self.opened:
             self._add("")
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finding and reading what a spec imports, and the constructors of the component library it uses.
+"""Find and read the files that a spec imports, and the constructors of the component library that it uses.
 
-A file is named relative to the one that imports it, with `/` between folders. It is looked for in that file's
-folder, then in the folders of the search path. A name is never absolute and never leads up (`..`), and no
-symbolic link leads out. So a spec reads only files below those folders.
+A file is named relative to the file that imports it, with `/` between folders. It is searched in that file's
+folder, then in the folders of the search path. A name is never absolute and never leads up (`..`). No
+symbolic link may lead out. So a spec reads only files below those folders.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ class Importer:
         self.opened = opened
         self.include = [Path(folder) for folder in include]
         self.program, self.tokens = parse(reporter)
-        self.own = len(self.program.constructors)  # so many are of the main file
+        self.own = len(self.program.constructors)  # so many of them belong to the main file
         self._read_files: dict[str, Source] = {}  # by their real path
         self._bytes = len(reporter.sources.first.text)
-        self._imported = 0  # declarations of other files, which stand first
+        self._imported = 0  # declarations of other files, which come first
         self._trail: list[str] = []
         first = reporter.sources.first
         self._follow(first, self.program.imports)
@@ -90,7 +90,7 @@ class Importer:
             try:
                 if path.is_file():
                     return self._inside(path, folders, node)
-            except (OSError, ValueError):  # a name too long for the system
+            except (OSError, ValueError):  # the name is too long for the operating system
                 continue
         looked = ", ".join(f"`{folder}`" for folder in folders[:5])
         hint = f"it was looked for in {looked}; give further folders by --include or UNITYLINK_PATH"
@@ -149,14 +149,14 @@ class Importer:
         for constructor in program.constructors:
             constructor.public = False
         self.program.constructors += program.constructors
-        at = self._imported  # imported declarations come before their users
+        at = self._imported  # imported declarations come before those that use them
         self.program.declarations[at:at] = program.declarations
         self._imported += len(program.declarations)
         self.program.lost |= program.lost
         self.program.damaged |= program.damaged
 
     def add_components(self) -> None:
-        """Read the library's files for those constructors which are expanded but declared in no file."""
+        """Read the library's files for constructors that are expanded, but that no file declares."""
         have = {one.name.text for one in self.program.constructors}
         wanted = {
             member.callee.text

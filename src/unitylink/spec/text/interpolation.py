@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`{…}` in the strings of an array: `leg[6]: leg("leg {i+1}")`. `{{` and `}}` stand for braces.
 
-Only there: in all other strings a brace is a brace, as it always was.
+This holds only there. In all other strings, a brace is a brace, as before.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ _PART = re.compile(r"\{\{|\}\}|\{([^{}]*)\}|[{}]")
 
 
 def interpolate(argument: Argument, reporter: Reporter) -> Argument:
-    """Return an argument whose strings have their expressions beside them. Raise Panic after a diagnostic."""
+    """Return an argument in which each string has its expressions beside it.
+
+    Raises Panic after a diagnostic.
+    """
     parts: list[Expression] = []
     for part in argument.parts:
         if isinstance(part, Text) and ("{" in part.value or "}" in part.value):
@@ -30,10 +33,10 @@ def interpolate(argument: Argument, reporter: Reporter) -> Argument:
 
 
 def _split(text: Text, reporter: Reporter) -> list[Expression]:
-    parts: list[Expression] = [Text("", text.start, text.end)]  # the sum is a string even if it is but "{i}"
+    parts: list[Expression] = [Text("", text.start, text.end)]  # the sum is a string even if it is only "{i}"
     plain = ""
     last = 0
-    # Without an escape in it, what stands at a place of the value stands one further in the text.
+    # If there is no escape, each place in the value is one character further in the text.
     exact = text.end - text.start == len(text.value) + 2
     for match in _PART.finditer(text.value):
         plain += text.value[last : match.start()]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Text to tokens and comments, by one master pattern. Every wrong character is reported once and omitted."""
+"""From text to tokens and comments, with one master pattern.
+
+Every wrong character is reported once and left out.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +31,9 @@ KEYWORDS = frozenset(
         "signed",
     )
 )
-MAX_TOKENS = 360_000  # comments count too; more than 10,000 statements with every property
+MAX_TOKENS = 360_000  # comments count too; enough for more than 10,000 statements with every property
 _LOOKAHEAD = 5
-MAX_NAME = 100  # characters of a name: paths are made of names, so this bounds every path
+MAX_NAME = 100  # characters of a name; paths consist of names, so this limits every path
 
 _MASTER = re.compile(
     r"""
@@ -59,10 +62,12 @@ _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'"
 
 @dataclass
 class Tokens:
-    """The tokens of a text as parallel lists. The last ones are of kind "end", for looking ahead.
+    """The tokens of a text as parallel lists.
 
-    A kind is "name", "keyword", "number", "string", "end", or the mark or operator itself. `texts` holds a
-    name without its `^` and everything else as written.
+    The last ones have the kind "end", so that the parser can look ahead.
+
+    A kind is "name", "keyword", "number", "string", "end", or the mark or operator itself. `texts` has a name
+    without its `^`, and everything else as written.
     """
 
     kinds: list[str] = field(default_factory=list)
@@ -70,10 +75,12 @@ class Tokens:
     starts: list[int] = field(default_factory=list)
     ends: list[int] = field(default_factory=list)
     comments: list[tuple[int, int]] = field(default_factory=list)  # (start, end) of each
-    documentation: dict[int, str] = field(default_factory=dict)  # `///` lines by the token they stand before
-    trailing: dict[int, str] = field(default_factory=dict)  # `///` by the token it stands behind, in its line
+    # `///` lines, by the token before which they stand
+    documentation: dict[int, str] = field(default_factory=dict)
+    # `///` comments, by the token after which they stand in the same line
+    trailing: dict[int, str] = field(default_factory=dict)
     faults: list[int] = field(default_factory=list)  # where a wrong character was reported
-    truncated: bool = False  # text is missing: a comment or the token limit swallowed the rest
+    truncated: bool = False  # text is missing, because a comment or the token limit took the rest
 
 
 class _Said:
@@ -83,10 +90,10 @@ class _Said:
         self.text = text
         self.tokens = tokens
         self.lines: dict[tuple[bool, int], list[str]] = {}
-        self.line = (-1, -1)  # where a token ends, and the line that it stands in
+        self.line = (-1, -1)  # (end of a token, the line in which it stands)
 
     def take(self, word: str, start: int, token_end: int) -> None:
-        """Note a comment; `token_end` is where the token before it ends, -1 if there is none."""
+        """Note a comment. `token_end` is the end of the token before it, or -1 if there is none."""
         if token_end != self.line[0]:
             end = _LINE_END.search(self.text, token_end)
             self.line = token_end, end.start() if end is not None else len(self.text)
@@ -101,7 +108,7 @@ class _Said:
 
 
 def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
-    """Return the tokens of `source`, by default the reporter's first. Report wrong characters."""
+    """Return the tokens of `source`. By default this is the reporter's first. Report wrong characters."""
     source = source or reporter.sources.first
     text, base = source.text, source.base
     tokens = Tokens()
@@ -137,7 +144,7 @@ def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
             if "\\" in word:
                 _check_escapes(reporter, tokens, word, start)
         elif kind != "number":
-            assert kind is not None  # every alternative of the pattern is named
+            assert kind is not None  # every alternative of the pattern has a name
             if kind in ("bad", "foreign"):
                 tokens.faults.append(start)
                 if word[0] != ">" or not _closes(reporter, open_bracket, start):
@@ -174,13 +181,13 @@ def _report_too_many(reporter: Reporter, tokens: Tokens, start: int, end: int) -
 
 
 def _closes(reporter: Reporter, open_bracket: int, start: int) -> bool:
-    """Is this the other half of a wrong pair of brackets in one line? Then it is no news."""
+    """Is this the second half of a wrong pair of brackets in one line? Then it is not reported again."""
     line_of = reporter.sources.line_of
     return open_bracket >= 0 and line_of(open_bracket) == line_of(start)
 
 
 def unescape(text: str) -> str:
-    r"""Return the value of a string token, quotes and escapes taken off.
+    r"""Return the value of a string token, without quotes and escapes.
 
     >>> unescape('"a\\tb"')
     'a\tb'
@@ -219,7 +226,7 @@ def _check_escapes(reporter: Reporter, tokens: Tokens, word: str, start: int) ->
 def _shorten(reporter: Reporter, word: str, start: int, end: int) -> str:
     message = f"a name of {len(word):,} characters is too long"
     reporter.report("UL009", start, end, message, f"names have at most {MAX_NAME} characters")
-    return f"{word[:20]}~{zlib.crc32(word.encode()):08x}"  # still one name for one text
+    return f"{word[:20]}~{zlib.crc32(word.encode()):08x}"  # still one name for each text
 
 
 def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
@@ -246,7 +253,10 @@ def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
 
 
 def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end: int) -> str:
-    """Report a malformed token. Return the kind of token it stands for, "" if it took all text to the end."""
+    """Report a malformed token.
+
+    Return the kind of token for which it stands, or "" if it took all text to the end.
+    """
     if kind == "bad_comment":
         reporter.report("UL005", start, start + 2, "this comment never ends", "close it with `*/`")
         return ""

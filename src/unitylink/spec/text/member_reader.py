@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading the members of a constructor: elements, expansions, groups, the kind of the link."""
+"""Read the members of a constructor: elements, expansions, groups, the kind of the link."""
 
 from __future__ import annotations
 
@@ -30,9 +30,10 @@ _NEW_ACCESS = ACCESS_WORDS[2:]
 
 
 class MemberReader(PropertyReader):
-    """A cursor that reads members. One with a mistake stays in the tree as a `BrokenNode`."""
+    """A cursor that reads members. A member with a mistake stays in the tree as a `BrokenNode`."""
 
-    constructors: frozenset[str] = frozenset()  # those of this file: their names hide new access words
+    # those of this file, because their names hide new access words
+    constructors: frozenset[str] = frozenset()
 
     def member(self) -> MemberNode | None:
         self.broken = False
@@ -53,7 +54,7 @@ class MemberReader(PropertyReader):
         return BrokenNode(name) if name else None
 
     def _name_of(self, start: int) -> Name | None:
-        """Return the name of the broken member that starts at token `start`, if it got as far as a name."""
+        """Return the name of the broken member that starts at token `start`, if it has one."""
         start += self.kinds[start] == "@"
         if self.kinds[start] != "name" or start >= self.i:
             return None
@@ -87,7 +88,7 @@ class MemberReader(PropertyReader):
             return self._group(name, notes)
         count = self._count()
         self.expect(":", "`:` and a constructor, or `=` and the members of a group")
-        if self._at_element() and not self._at_new_access():  # that may be a constructor of another file
+        if self._at_element() and not self._at_new_access():  # this may be a constructor of another file
             shown = f"`@{name.text}: {self.texts[self.i]}`"
             if not self.faulty():
                 advice = self.replace(f"write {shown}", name.start, name.start, "@")
@@ -110,7 +111,7 @@ class MemberReader(PropertyReader):
         if self.kinds[self.i] != ":" and self._at_element():
             last = self.i - 1
             if self.kinds[last] == "name" and self.texts[last - 1][0].isdigit():
-                last -= 1  # a type, read as the unit of the address
+                last -= 1  # a type that was read as the unit of the address
             end = self.tokens.ends[last]
             raise self.unexpected("`:`", self.replace("add `:`", end, end, ":"))
         self.expect(":", "`:`" if fixed else "`:`, or `=` and an address,")
@@ -121,13 +122,13 @@ class MemberReader(PropertyReader):
             hint = f"to bind it to an expansion write `{name.text}: constructor(…) @{shown}`"
             words = (*ACCESS_WORDS, "signed")
             if self.kinds[self.i : self.i + 3] == ["name", "name", "("]:
-                self.i += 1  # a type, and a word that is none of access
+                self.i += 1  # a type, then a word that is no access word
             advice = self.reporter.did_you_mean(self.texts[self.i], words, hint, self.place(self.i))
             raise self.unexpected("READ or WRITE after an address", advice)
         return self._expansion(name, notes, None, forwards=True)
 
     def address(self) -> Expression:
-        """Read an address: hexadecimal if it is a number alone, or an expression."""
+        """Read an address. A single number is hexadecimal, anything else is an expression."""
         first = self.i
         whole = self.argument("an address such as 0x80")
         part = whole.parts[0]
@@ -249,7 +250,7 @@ class MemberReader(PropertyReader):
         return Binding(name, numbers, start, self.tokens.ends[self.i - 1])
 
     def _is_sum(self) -> bool:
-        """Is the bracket that opens here part of an expression, `(A+1)*8`, and not a list of addresses?"""
+        """Does this bracket belong to an expression such as `(A+1)*8`, and not to a list of addresses?"""
         behind = self.behind_bracket(self.i)
         return self.kinds[behind] in ("+", "-", "*", "/", "%", "<<", ">>", "&", "|")
 
@@ -299,7 +300,7 @@ class MemberReader(PropertyReader):
         return Notes(text, tuple(annotations)) if text or annotations else NO_NOTES
 
     def trailing(self, member: object) -> None:
-        """Add the `///` behind a member in its line to its notes."""
+        """Add the `///` after a member in the same line to its notes."""
         text = self.tokens.trailing.pop(self.i - 1, "") if self.tokens.trailing else ""
         notes: Notes | None = getattr(member, "notes", None)
         if text and notes is not None:

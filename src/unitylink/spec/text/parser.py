@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tokens to syntax tree: recursive descent that goes on after a mistake, so that one run finds all of them.
+"""From tokens to a syntax tree. Recursive descent goes on after a mistake, so that one run finds all of them.
 
 Recovery: text that cannot be read is skipped up to the next `;`, `}`, constructor head, or line that starts
-like a member. If the member goes on after a `;` or `}`, that mark is the mistake itself. A member with a
-mistake stays in the tree as a `BrokenNode`. The language nests to a fixed depth, so no text can exhaust the
-stack.
+like a member. If the member continues after a `;` or `}`, this mark is itself the mistake. A member with a
+mistake stays in the tree as a `BrokenNode`. The language nests only to a fixed depth, so no text can exhaust
+the stack.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MAX_CONSTRUCTORS = 10_000
 
 
 def parse(reporter: Reporter, source: Source | None = None) -> tuple[Program, Tokens]:
-    """Return the syntax tree and the tokens of `source`, the reporter's first if none is given.
+    """Return the syntax tree and the tokens of `source`. Without it, the reporter's first source is taken.
 
     Every mistake of form is reported.
     """
@@ -61,14 +61,15 @@ class _Parser(DeclarationReader):
                 advice = self.replace(hint, *self.place(self.i), "") if hint else Advice("")
                 self.unexpected("a constructor, `name(…) {…}`", advice, begins=True)
                 self.skip_to_head()
-                # A head so wrong that it was not seen takes its name along; do not report the name's uses.
+                # A head may be so wrong that it was not recognised, and then its name is missing. Do not
+                # report the uses of this name.
                 program.damaged = program.damaged or self.i > start + 1
-                if program.constructors:  # a brace too early takes members along
+                if program.constructors:  # after a brace that comes too early, members are missing
                     program.constructors[-1].incomplete = True
         return program
 
     def _declared(self) -> frozenset[str]:
-        """Return the names of this file's constructors, as far as they can be told before it is read."""
+        """Return the names of this file's constructors, as far as they can be found before it is read."""
         kinds, texts = self.kinds, self.texts
         return frozenset(
             texts[i - 1]
@@ -79,7 +80,7 @@ class _Parser(DeclarationReader):
         )
 
     def _notes(self) -> Notes:
-        """Read annotations and documentation before something outside constructors."""
+        """Read annotations and documentation before something that stands outside of constructors."""
         self.first = self.i
         try:
             return self.notes()
@@ -88,7 +89,10 @@ class _Parser(DeclarationReader):
             return Notes()
 
     def _header(self, program: Program, notes: Notes) -> None:
-        """Read `link package.name;`, or a link with its properties: the first of either names the spec."""
+        """Read `link package.name;`, or a link with its properties.
+
+        The first one of either form names the spec.
+        """
         start = self.first = self.i
         self.i += 1
         self.broken = False
@@ -119,7 +123,7 @@ class _Parser(DeclarationReader):
             program.name = names[-1].text
 
     def _constructor(self, program: Program, notes: Notes, outer: str = "") -> None:
-        """Read one constructor. `outer` is the one in whose body it stands by mistake."""
+        """Read one constructor. `outer` is the constructor in whose body it stands by mistake."""
         self.first = self.i
         public = self.kinds[self.i] == "keyword" and self.texts[self.i] == "public"
         self.i += public
@@ -170,7 +174,7 @@ class _Parser(DeclarationReader):
             node.addresses.append(self.name("an address name"))
 
     def _parameters(self, node: ConstructorNode) -> None:
-        """Read parameters and the `)` behind them."""
+        """Read parameters, and the `)` after them."""
         if self.accept(")"):
             return
         while True:
@@ -217,7 +221,7 @@ class _Parser(DeclarationReader):
                 node.members.append(member)
             elif self.texts[before] not in (";", "TOSNET"):
                 node.incomplete = True
-            self.i += self.i == before  # nothing can be made of this token
+            self.i += self.i == before  # this token cannot begin anything
         self.i += 1
 
     def _swallowed_brace(self) -> bool:
@@ -226,7 +230,7 @@ class _Parser(DeclarationReader):
         return self.kinds[self.i - 1] == "string" and "}" in text and self.touched()
 
     def _closed_early(self, program: Program, node: ConstructorNode) -> None:
-        """A member follows this brace: go on with the body. What is missing may also be a head."""
+        """A member follows this brace, so continue with the body. A missing head may also be the mistake."""
         self.first = self.i
         if not self.faulty():
             what = self.texts[self.i + 1 + (self.kinds[self.i + 1] == "@")]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading properties in brackets: `(ID="x", UNIT="rad", PUBLISH(100 Hz))`; and types."""
+"""Read properties in brackets: `(ID="x", UNIT="rad", PUBLISH(100 Hz))`. Also read types."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class PropertyReader(ExpressionReader):
         return one
 
     def _unquoted(self, start: int) -> Panic:
-        """Report `UNIT=N m`: without an operator between its parts this is not an expression."""
+        """Report `UNIT=N m`. Without an operator between its parts, this is not an expression."""
         i = self.i
         while self.kinds[i] in ("name", "*", "/"):
             i += 1
@@ -133,8 +133,8 @@ class PropertyReader(ExpressionReader):
         return node
 
     def _bare(self, number: Number) -> Panic:
-        """Report `PUBLISH(100)`: a mode without its divisor, or a rate without its unit."""
-        if self.touched():  # `100Hz`, which was told
+        """Report `PUBLISH(100)`. It is a mode without its divisor, or a rate without its unit."""
+        if self.touched():  # `100Hz`, which has been reported
             return Panic()
         if number.value in (1, 2):
             return self.unexpected("`,` and the divisor of the base publish frequency", _FORMS)

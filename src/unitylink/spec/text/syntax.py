@@ -38,7 +38,7 @@ class Text:
 
 @dataclass(slots=True)
 class Operation:
-    """`left operator right`. Without `left` it is a sign."""
+    """`left operator right`. Without `left`, the operator is a sign."""
 
     operator: str
     left: Expression | None
@@ -49,7 +49,7 @@ class Operation:
 
 @dataclass(slots=True)
 class Argument:
-    """A sum of parts: joined strings and parameters, or numbers. `key` is that of `key=…`."""
+    """A sum of parts: joined strings and parameters, or numbers. `key` is the name in `key=…`."""
 
     parts: list[Expression]
     start: int
@@ -58,7 +58,7 @@ class Argument:
 
     @property
     def literal(self) -> bool:
-        """Is it one number or string, as most are? Then there are no names in it to look for."""
+        """Is it a single number or string, as most arguments are? Then it contains no names."""
         return len(self.parts) == 1 and type(self.parts[0]) in (Number, Text)
 
 
@@ -67,24 +67,24 @@ Expression = Union[Number, Text, Name, Operation, Argument]
 
 @dataclass(slots=True)
 class Property:
-    """`ID=…`, `CRC`, `PUBLISH(…)`, `CTRL=…`, `UNIT=…`; `key` is COMM for UART too."""
+    """`ID=…`, `CRC`, `PUBLISH(…)`, `CTRL=…`, `UNIT=…`. `key` is COMM also for UART."""
 
     key: str
     start: int
     end: int
-    argument: Argument | None = None  # what stands behind `=`
+    argument: Argument | None = None  # what stands after the `=`
     publish: PublishNode | None = None
 
     @property
     def name(self) -> Name | None:
-        """The name it is given, if it is one and nothing else."""
+        """The name, if the argument is a single name."""
         part = self.argument.parts[0] if self.argument and len(self.argument.parts) == 1 else None
         return part if isinstance(part, Name) else None
 
 
 @dataclass(slots=True)
 class PublishNode:
-    """`PUBLISH(mode, divisor)`, `PUBLISH(100 Hz)`, `PUBLISH(on name)`, each also with `GROUP=name`."""
+    """`PUBLISH(mode, divisor)`, `PUBLISH(100 Hz)` or `PUBLISH(on name)`. Each may also have `GROUP=name`."""
 
     rates: list[Argument]  # mode and divisor, or a frequency
     event: list[Name]  # `on change` and `on a.b`
@@ -141,7 +141,10 @@ class LinkKindNode:
 
 @dataclass(slots=True)
 class ExpansionNode:
-    """`name[count]: constructor(arguments) bindings`; `forwards` if it is `@name: constructor(arguments)`."""
+    """`name[count]: constructor(arguments) bindings`.
+
+    It `forwards` if it is `@name: constructor(arguments)`.
+    """
 
     name: Name
     callee: Name
@@ -163,7 +166,10 @@ class TypeNode:
 
 @dataclass(slots=True)
 class ElementNode:
-    """`@name[count] = address: type ACCESS(properties)`; `fixed` is the address, `type` None if bare."""
+    """`@name[count] = address: type ACCESS(properties)`.
+
+    `fixed` is the address, and `type` is None if there is none.
+    """
 
     name: Name
     fixed: Expression | None
@@ -185,7 +191,10 @@ class GroupNode:
 
 @dataclass(slots=True)
 class BrokenNode:
-    """A member with a syntax error. Its name stays known, so that its uses are not further mistakes."""
+    """A member with a syntax error.
+
+    Its name stays known, so its uses are not reported as further mistakes.
+    """
 
     name: Name
 
@@ -195,7 +204,7 @@ MemberNode = Union[LinkKindNode, ExpansionNode, ElementNode, GroupNode, BrokenNo
 
 @dataclass(slots=True)
 class Parameter(Name):
-    """`name`, `name: int` or `name: string = "left"`. Without a type it is a string or a run-time object."""
+    """`name`, `name: int` or `name: string = "left"`. Without a type, it is a string or a run-time object."""
 
     type: Name | None = None
     default: Argument | None = None
@@ -203,14 +212,17 @@ class Parameter(Name):
 
 @dataclass(slots=True)
 class ConstructorNode:
-    """A constructor. It is `broken` if its head has a syntax error, so that its parameters are unknown. It is
-    `incomplete` if members may be missing."""
+    """A constructor.
+
+    It is `broken` if its head has a syntax error, so that its parameters are unknown. It is `incomplete` if
+    members may be missing.
+    """
 
     public: bool
     name: Name
     parameters: list[Parameter] = field(default_factory=list)
     addresses: list[Name] = field(default_factory=list)
-    tuple_form: bool = False  # `@ (a,b)`: one vector taken apart; else each address is a vector
+    tuple_form: bool = False  # `@ (a,b)` divides one vector; otherwise each address is a vector
     block: Argument | None = None  # `@ name[words]`: the only address is the first of so many words
     members: list[MemberNode] = field(default_factory=list)
     broken: bool = False
@@ -256,7 +268,7 @@ class EnumNode:
 
 @dataclass(slots=True)
 class FieldNode:
-    """`name: type @ high..low (properties)` of packed bits; `low` None for a single bit."""
+    """`name: type @ high..low (properties)` of packed bits. `low` is None for a single bit."""
 
     name: Name
     type: TypeNode
@@ -290,7 +302,7 @@ DeclarationNode = Union[ConstantNode, EnumNode, BitsNode, LinkNode]
 
 @dataclass(slots=True)
 class Program:
-    """A whole file. It is `damaged` if part of it could not be read, so that names may be missing."""
+    """A whole file. It is `damaged` if part of it could not be read. Then names may be missing."""
 
     package: str = ""
     name: str = ""
