@@ -27,7 +27,7 @@ def until(holds: Callable[[], bool]) -> None:
         time.sleep(0.001)
 
 
-def test_a_terminal_that_goes_while_it_is_opened_is_not_there(
+def test_a_terminal_that_disappears_while_it_is_opened_counts_as_gone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Once the wire ended in this case, and its host waited for ever."""
@@ -48,7 +48,7 @@ def test_a_terminal_that_goes_while_it_is_opened_is_not_there(
     assert wire._raw_terminal(str(tmp_path / "board.tty")) is None
 
 
-def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Path) -> None:
+def test_no_name_of_an_ended_terminal_leads_to_another_one(tmp_path: Path) -> None:
     """The system gives the numbers of terminals again at once.
 
     So a host could talk to somebody else's board.

@@ -61,7 +61,7 @@ def test_the_twin_of_the_2012_gateware_has_its_defects() -> None:
     assert len(played) == 439
 
 
-def test_only_a_configuration_has_bytes_that_are_no_digits() -> None:
+def test_only_the_reply_cnf_has_bytes_that_are_not_digits() -> None:
     """A 2C in the data of other replies is two digits, and its checksum counts it so."""
     replies = {line for e in replay(FILE).exchanges for line in e.recorded.splitlines()}
     assert all("CNF" in line for line in replies if "," in line)

@@ -80,7 +80,7 @@ def test_wireshark_opens_it_with_our_dissector(run: Run, tmp_path: Path) -> None
     assert any(line.startswith("1\tS_RM\t") and "j1.cpos = " in line for line in shown), shown
 
 
-def test_a_file_that_is_no_capture_is_an_error_and_no_traceback(run: Run, tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_capture_gives_an_error_without_a_traceback(run: Run, tmp_path: Path) -> None:
     (tmp_path / "x.pcapng").write_bytes(b"nonsense")
     done = run("decode", tmp_path / "x.pcapng")
     assert done.returncode == 1 and "not a pcapng file" in done.stderr and "Traceback" not in done.stderr

@@ -74,7 +74,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class TestWheel:
     """From `pip install WHEEL` on: no compiler, no checkout, only the wheel and the package index."""
 
-    def test_the_wheel_is_for_many_linuxes_and_holds_what_comes_along(self, wheels: Path) -> None:
+    def test_the_wheel_is_for_many_linuxes_and_contains_all_resources(self, wheels: Path) -> None:
         (wheel,) = wheels.glob("*.whl")
         assert "manylinux" in wheel.name
         listed = call(sys.executable, "-m", "zipfile", "--list", wheel, cwd=ROOT)
@@ -99,7 +99,7 @@ class TestWheel:
         assert "examples/c_reader/" not in listed and "examples/ros/" not in listed
         assert "share/tools/wireshark/unitylink.lua" in listed
 
-    def test_its_metadata_say_whose_it_is_and_what_it_is_for(self, fresh: Path) -> None:
+    def test_its_metadata_name_its_owner_and_its_purpose(self, fresh: Path) -> None:
         (metadata,) = fresh.glob("unitylink-*.dist-info/METADATA")
         said = metadata.read_text("utf-8")
         assert "Author: The Unity-Link authors" in said and "Typing :: Typed" in said
@@ -110,7 +110,7 @@ class TestWheel:
         ("words", "code"),
         [("bench", 2), ("experiments", 2), ("conformance x.json", 2), ("faults --beside litex", 1)],
     )
-    def test_what_needs_a_checkout_is_no_command_of_a_wheel(self, fresh: Path, words: str, code: int) -> None:
+    def test_a_wheel_has_no_command_that_needs_a_checkout(self, fresh: Path, words: str, code: int) -> None:
         if code == 2:
             assert f"\n  {words.split(maxsplit=1)[0]} " not in call(
                 *INSTALLED, "--help", cwd=fresh, **only(fresh)

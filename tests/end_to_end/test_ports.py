@@ -21,7 +21,7 @@ def test_a_board_that_answers_is_healthy(run: Run, serve: Callable[..., object],
     assert done.returncode == 0 and report["healthy"], report
 
 
-def test_another_spec_is_found_out_and_ends_with_one(
+def test_gateware_of_another_spec_is_reported_with_exit_code_one(
     run: Run, serve: Callable[..., object], tmp_path: Path
 ) -> None:
     (tmp_path / "arm.ul").write_text(ARM)

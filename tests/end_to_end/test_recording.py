@@ -94,7 +94,7 @@ def test_a_live_plot_is_drawn_in_a_terminal(on_terminal: Callable[..., str]) -> 
     assert "j1.cpos" in shown
 
 
-def test_a_disk_that_fills_up_ends_the_recording_with_what_it_holds(tmp_path: Path) -> None:
+def test_a_full_disk_ends_the_recording_and_keeps_what_was_written(tmp_path: Path) -> None:
     limited = f"ulimit -f 8; exec {UNITYLINK} record sim:{SCARA} --out s.csv --rate 1000 --duration 20"
     done = subprocess.run(
         ["bash", "-c", limited], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
@@ -103,7 +103,7 @@ def test_a_disk_that_fills_up_ends_the_recording_with_what_it_holds(tmp_path: Pa
     assert len(list(samples(tmp_path / "s.csv"))) > 0
 
 
-def test_a_recording_that_is_killed_leaves_what_came_until_a_moment_ago(tmp_path: Path) -> None:
+def test_a_killed_recording_keeps_all_but_the_last_moment(tmp_path: Path) -> None:
     """There are ten samples a second, so 64 kB of them would take minutes."""
     files = [tmp_path / "s.mcap", tmp_path / "s.csv"]
     words = [UNITYLINK, "record", f"sim:{SCARA}?plant=ramp", "j*.cpos", "--rate", "10", "--out"]

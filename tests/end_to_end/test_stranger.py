@@ -96,7 +96,7 @@ def _from_csv(file: Path) -> tuple[list[int], list[float]]:
 
 
 @pytest.mark.parametrize("endpoint", [("--tcp", "0"), ("--pty", "./board.tty")])
-def test_a_board_that_goes_away_leaves_what_it_sent(
+def test_what_a_board_sent_is_kept_when_it_goes_away(
     serve: Callable[..., Server], tmp_path: Path, endpoint: tuple[str, str]
 ) -> None:
     """The board's plug is pulled while `record` and `plot` run."""
@@ -152,7 +152,7 @@ def test_the_dissector_comes_along(run: Run) -> None:
     assert done.returncode == 0 and 'Proto("unitylink"' in done.stdout
 
 
-def test_what_mends_a_finding_can_be_pasted_into_a_shell() -> None:
+def test_the_remedy_of_a_finding_can_be_pasted_into_a_shell() -> None:
     commands = [
         kind.remedy
         for kind in FINDINGS.values()

@@ -47,6 +47,6 @@ def test_the_curves_of_the_page_are_those_of_the_script() -> None:
     assert done.returncode == 0, f"`make docs` draws them: {done.stdout}{done.stderr}"
 
 
-def test_traffic_that_is_none_is_refused() -> None:
+def test_unknown_traffic_is_refused() -> None:
     with pytest.raises(KeyError, match="letters"):
         _native.goodput(1, "letters", WORDS, 0.0)

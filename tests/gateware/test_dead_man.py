@@ -229,7 +229,7 @@ FRAMES_UNHEARD = 16  # so many more frames are taken while an answer waits
 
 
 @pytest.mark.parametrize("physical", DEAF)
-def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any, physical: str) -> None:
+def test_a_host_that_reads_nothing_counts_as_alive_while_it_sends(rtl: Any, physical: str) -> None:
     """Its posts are executed. When answers wait to be sent, there is still room for some more frames."""
     tick, late, life = DEAF[physical]
     host = Host(physical)
@@ -309,7 +309,7 @@ CAUGHT = {
 
 
 @pytest.mark.parametrize("what", CAUGHT)
-def test_what_a_trip_catches_is_told_as_it_went(rtl: Any, what: Callable[[Host], bytes]) -> None:
+def test_replies_tell_truly_what_was_written_at_a_trip(rtl: Any, what: Callable[[Host], bytes]) -> None:
     """At whatever clock it trips: exactly the words were written that the replies tell."""
     tick, expected = CAUGHT[what]
     rounds = range(20)

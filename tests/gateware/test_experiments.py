@@ -81,7 +81,7 @@ def test_posts_hold_nothing_up_and_writes_do() -> None:
     assert writes.period_s > 4 * posts.period_s
 
 
-def test_a_read_takes_a_microframe_or_two_whatever_is_spoken() -> None:
+def test_a_read_takes_a_microframe_or_two_in_either_protocol() -> None:
     held = replace(FT245_ASYNC, send_immediate="all")
     assert synchronous_s(held, framed_read(), gateware=FRAMED, count=3) == pytest.approx(250e-6)
     assert read_burst(FT245_ASYNC, 32, gateware=FRAMED).stamped_hz > 0.5 * 8 / FT245_ASYNC.byte_s

@@ -332,7 +332,7 @@ def test_a_session_locks_the_classic_side(rtl: Any) -> None:
     assert answers[11:] == [b"?f3\n", b"#S_R:00000008\n"]
 
 
-def test_overruns_of_the_line_are_counted_and_not_told_in_a_session(rtl: Any) -> None:
+def test_overruns_of_the_line_are_counted_and_not_reported_in_a_session(rtl: Any) -> None:
     read = ask(p.REQUEST_KIND_READ_CONTROL, (0, 2), (p.CONTROL_RECEIVE_OVERRUNS, 2), (1, 1))
     answers = play(
         rtl, Settings(), [opening(), ("rx_error", 4), ("wait", 50), ("rx_error", 4), ("wait", 50), read]

@@ -173,7 +173,7 @@ def test_the_dead_man_at_its_tick(rtl: Any) -> None:
     assert 3 * TICK < strobe - heard <= 4 * TICK + late + 10, "four ticks behind the last frame"
 
 
-def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any) -> None:
+def test_a_host_that_reads_nothing_counts_as_alive_while_it_sends(rtl: Any) -> None:
     """While nobody takes a reply, frames wait in the ring. They still count as signs of life."""
     settings = small_settings(base_hz=50_000_000 // TICK, safe=SAFE)
     read = [ask(p.REQUEST_KIND_READ, (n, 2), (0x11, 2)) for n in range(1, 9)]
@@ -212,7 +212,7 @@ def test_a_session_that_is_taken_over_trips_the_dead_man(rtl: Any) -> None:
     assert [address for kind, _, address in rtl.times if kind == "u"] == [address for address, _ in SAFE]
 
 
-def test_what_the_bus_refuses_or_does_not_answer_is_told(rtl: Any) -> None:
+def test_bus_errors_and_bus_timeouts_are_reported(rtl: Any) -> None:
     """Each request is executed once. A repeat gets the kept answer and makes no bus access."""
     error, silent = (BAD, 2), (BAD + 4, 2)
     requests = [
@@ -238,7 +238,7 @@ def test_what_the_bus_refuses_or_does_not_answer_is_told(rtl: Any) -> None:
     assert len([1 for kind, _, _ in rtl.times if kind == "t"]) == 6
 
 
-def test_what_a_trip_catches_is_told_as_it_went(rtl: Any) -> None:
+def test_replies_tell_truly_what_was_written_at_a_trip(rtl: Any) -> None:
     """At whatever clock it trips: what the replies say was written, was written.
 
     Then come the safe values.

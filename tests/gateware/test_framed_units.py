@@ -39,7 +39,7 @@ def test_reply_cache(ghdl: Any, window: int) -> None:
     ghdl.run("reply_cache_tb", window=window, seed=window)
 
 
-def test_reply_cache_refuses_a_window_that_is_no_power_of_two(ghdl: Any) -> None:
+def test_reply_cache_refuses_a_window_that_is_not_a_power_of_two(ghdl: Any) -> None:
     ghdl.refuse("reply_cache_tb", "window must be a power of two", window=12)
 
 

@@ -97,7 +97,7 @@ def test_async_fifo(ghdl: Any, depth: int, margin: int, write_period_ps: int, re
     )
 
 
-def test_async_fifo_refuses_a_depth_that_is_no_power_of_two(ghdl: Any) -> None:
+def test_async_fifo_refuses_a_depth_that_is_not_a_power_of_two(ghdl: Any) -> None:
     ghdl.refuse("async_fifo_tb", "async_fifo: depth must be a power of two", depth=12)
 
 

@@ -90,7 +90,7 @@ def test_wide_registers_that_hold(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["~", "&"])
-def test_what_leads_to_itself_is_left(kind: str) -> None:
+def test_wires_in_a_loop_are_left_alone(kind: str) -> None:
     """A loop is a mistake in the design, and other tools report it. Here the function only has to end."""
     ring = "  wire a;\n  wire b;\n  assign a = {0};\n  assign b = {1};\n"
     looped = ring.format("~b", "~a") if kind == "~" else ring.format("b & b", "a & a")

@@ -140,7 +140,7 @@ def test_twin_and_gateware_are_the_same_device(drawn: Drawn, cycle: int | None) 
         if cycle is None:
             words_with_two_sides(drawn.spec, model, to_model)
             words_with_two_sides(drawn.spec, compiled, to_compiled)
-        groups_that_there_are_not(told, to_model, to_compiled)
+        groups_that_do_not_exist(told, to_model, to_compiled)
 
 
 def words_with_two_sides(spec: Spec, board: Board, link: Link) -> None:
@@ -187,7 +187,7 @@ def exchange(spec: Spec, most: int, cycle: int | None, sides: list[tuple[Board, 
                 assert [board.registers[address] for address in writes] == words
 
 
-def groups_that_there_are_not(told: Any, *links: Link) -> None:
+def groups_that_do_not_exist(told: Any, *links: Link) -> None:
     """Twin and gateware refuse one word or one group too many with the same message. It names the limit."""
     said = []
     for link in links:

@@ -41,7 +41,7 @@ def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module("assemble")
 
 
-def test_what_is_made_of_the_program_is_not_stale(assembler: Any) -> None:
+def test_the_files_made_from_the_program_are_not_stale(assembler: Any) -> None:
     program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
     remedy = "python tools/small/assemble.py"
     assert assembler.PACKAGE.read_text(encoding="utf-8") == assembler.package(program), remedy

@@ -76,10 +76,7 @@ numbers = {
 @settings(max_examples=60)
 @given(data=st.data())
 def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: Any) -> None:
-    """For any message with any content, our bytes are those of rosbags' serialiser.
-
-    They are also read back.
-    """
+    """For any message with any content, our bytes are those of rosbags' serialiser, and are read back."""
     all_fields = definitions(plan_interface(load(RIG)))
     name = data.draw(st.sampled_from(sorted(all_fields)))
 

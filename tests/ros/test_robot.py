@@ -173,7 +173,7 @@ def test_numbers_are_those_of_python(program: Path) -> None:
     assert not wrong, wrong[:20]
 
 
-def test_a_line_that_was_lost_comes_back_safe_and_without_commands_of_before(program: Path) -> None:
+def test_after_a_lost_line_the_outputs_are_safe_and_old_commands_are_gone(program: Path) -> None:
     with Board(SPEC, plant=Still(), endpoint="tcp") as board:
         with running(program, f"{board.url}?timeout=5") as robot:
             until(lambda: is_up(robot), robot)

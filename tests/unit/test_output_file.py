@@ -102,7 +102,7 @@ def test_a_pipe_is_written_to_and_left(tmp_path: Path) -> None:
     assert path.is_fifo()
 
 
-def test_what_cannot_be_a_file_is_an_error_that_names_it(tmp_path: Path) -> None:
+def test_a_path_that_cannot_be_a_file_gives_an_error_that_names_it(tmp_path: Path) -> None:
     for path, reason in (
         (tmp_path, "a folder"),
         (tmp_path / "absent" / "a", "No such file"),

@@ -7,7 +7,8 @@ one, the whole checkout is read.
 
 KIND is `pages` (Markdown, the default), `python` (docstrings and comments), `vhdl` or `c++` (comments).
 
-A sentence is prose: no code block (fenced or indented), table, heading or front matter. In a comment of VHDL
+A sentence is prose: no code block (fenced or indented), table, heading or front matter. In a docstring, an
+example (`>>>`) with its output is no prose, nor is a block that click prints unwrapped. In a comment of VHDL
 or C++, indented lines after an empty one are a drawing or a table. A list item ends its sentence. A link
 counts as its text, and code in a line as one word. Fewer than three words are no sentence.
 """
@@ -31,6 +32,7 @@ KINDS = {"pages": [".md"], "python": [".py"], "vhdl": [".vhd"], "c++": [".hpp", 
 FENCE = re.compile(r"^\s*(```|~~~)")
 ITEM = re.compile(r"^\s*(?:[-*+]|\d+[.)])\s+")
 NOT_PROSE = re.compile(r"^\s*(?:\||#{1,6} |={3,}$|-{3,}$|>>> |\.\.\. |\[[^\]]+\]:\s)")
+VERBATIM = re.compile(r"^\s*(?:>>> |\x08$)")  # begins an example, or a block that click leaves unwrapped
 CODE = re.compile(r"(`+)(.+?)\1", re.S)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)")
 HIDDEN = "\ue000"  # stands for a piece of code, so that a full stop in the code ends no sentence
@@ -108,11 +110,12 @@ def _blocks(text: str, code_indent: int) -> Iterator[tuple[int, str]]:
     """Yield (line, text) of each paragraph and each list item. The text keeps the line ends of the page."""
     text = re.sub(r"\A---\n.*?^---$", _blank, text, flags=re.M | re.S)  # front matter
     text = re.sub(r"<!--.*?-->", _blank, text, flags=re.S)
-    begin, block, fenced, margin = 0, [], False, 0
+    begin, block, fenced, verbatim, margin = 0, [], False, False, 0
     for number, line in enumerate([*text.splitlines(), ""], 1):
         fence, item = bool(FENCE.match(line)), ITEM.match(line)
         indent = len(line) - len(line.lstrip())
-        code = fenced or fence or (indent >= margin + code_indent and not block and not item)
+        verbatim = bool(line.strip()) and (verbatim or bool(VERBATIM.match(line)))
+        code = fenced or fence or verbatim or (indent >= margin + code_indent and not block and not item)
         prose = bool(line.strip()) and not code and not NOT_PROSE.match(line)
         fenced ^= fence
         if block and (not prose or item):

@@ -127,10 +127,7 @@ class Link(Line):
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> Words:
-        """Return the words at `addresses`, with one request each.
-
-        As many are under way as `fifo` and `window` allow.
-        """
+        """Return the words at `addresses`, one request each, as many at once as `fifo` and `window` allow."""
         return self._native.read_each(addresses, checked, repeat, timeout_s)
 
     def write_many(
@@ -157,8 +154,7 @@ class Link(Line):
 
         On a framed link it takes one message each way if the device's buffers allow that, and is executed
         exactly once. On a classic link it is write_many, then read_many. `atomic` holds the bus from the
-        first word to the last, or raises DeviceMismatch. Raises OutcomeUnknown if the device was reset
-        meanwhile.
+        first word to the last, or raises DeviceMismatch. A reset meanwhile raises OutcomeUnknown.
 
             link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
         """
@@ -168,8 +164,7 @@ class Link(Line):
         """Name words that are often written and read together, as addresses or as (address, bytes).
 
         Then only data travels. A few bytes write all outputs and read all inputs, in one transaction of the
-        bus. On a classic link it is write_many, then read_many. Raises DeviceMismatch if the device has no
-        exchange groups, no free one, or none that is large enough.
+        bus. On a classic link it is write_many, then read_many. DeviceMismatch: no group is free or fits.
 
             with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:
                 (position,) = group.exchange([1000, 1])
@@ -296,9 +291,9 @@ class Link(Line):
         It does so every `divisor` base periods. With `on_event`, it does so when the group's event input
         triggers it. `verify` first reads each address once, because 2012 gateware never stops publishing an
         address where nothing answers. Use False if a read has an effect. `ring` is how many publishes may
-        wait to be fetched. If more come, the oldest ones are dropped. `group` asks for a certain group.
-        `on_event` may need this, because each group has its own event input. Raises DeviceMismatch if no
-        group is free or large enough, or if the line is too slow.
+        wait to be fetched. If more come, the oldest ones are dropped. `group` asks for a certain group,
+        because each has its own event input. Raises DeviceMismatch if no group is free or large enough, or if
+        the line is too slow.
         """
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
@@ -329,8 +324,7 @@ class Link(Line):
     # ---- the device itself
 
     def read_control(self, address: int, count: int = 1) -> Words:
-        """Return `count` control registers of the device from `address` on (`CONTROL_…` of
-        unitylink.protocol).
+        """Return `count` control registers from `address` on (`CONTROL_…` of unitylink.protocol).
 
         Raises DeviceMismatch on a classic link, and ProtocolError if a register does not exist.
         """
@@ -341,10 +335,7 @@ class Link(Line):
         self._native.write_control(address, value)
 
     def health(self) -> Health | None:
-        """Return the device's own counters: what reached it and what it dropped.
-
-        Return None on a classic link.
-        """
+        """Return the device's own counters: what reached it, what it dropped. None on a classic link."""
         if self.protocol != "framed":
             return None
         most = max(1, (self.description.reply_max - 4) // 4) if self.description else 1
@@ -358,8 +349,7 @@ class Link(Line):
         """Let the device make its outputs safe after `silence_s` without a sign of life. 0: never.
 
         The URL option is `deadman`. The link gives signs of life by itself as long as this program runs.
-        After a trip, every write raises DeadManTripped until `arm()`. Raises DeviceMismatch if the gateware
-        has no dead-man.
+        After a trip, writes raise DeadManTripped until `arm()`. DeviceMismatch: it has no dead-man.
         """
         self._native.set_dead_man(silence_s, timeout_s)
 
@@ -383,18 +373,14 @@ class Link(Line):
 
     @property
     def clock(self) -> Clock | None:
-        """The device's clock converted to the host's time.
-
-        It is None before the first subscription, and on a classic link.
-        """
+        """The device's clock in the host's time. None before the first subscription and on a classic link."""
         period_ns, drift_ppm, uncertainty_ns = self._native.clock()
         return Clock(period_ns, drift_ppm, uncertainty_ns) if period_ns > 0 else None
 
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
         """Raise DeviceMismatch if the gateware was built from another spec than `spec` with `hashes`.
 
-        Gateware that cannot tell passes (see `unverified`). With `spec_hash=any` all gateware passes, and a
-        difference is logged.
+        Gateware that cannot tell passes (see `unverified`). With `spec_hash=any` a difference is only logged.
         """
         self.unverified = checked_spec(self._native, self.url, spec, hashes)
 

@@ -32,7 +32,7 @@ class Listeners(Generic[T]):
         self._change: tuple[Callable[[T], object], ...] = ()
         self.previous: object = None  # nothing has been published yet
         self.heard = False
-        """Whether somebody wants to hear of each publish; who does not ask `tell` then keeps `previous`."""
+        """Whether publishes have a listener. Without one, a caller may set `previous` and skip `tell`."""
 
     def on_publish(self, callback: Callable[[float, T], object]) -> Callable[[], None]:
         self._check(callback)

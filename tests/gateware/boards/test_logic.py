@@ -102,7 +102,7 @@ def test_the_dead_man_on_a_pin(tmp_path: Path, pins: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize("without", [{"protocol": "classic"}, {"protocol": "framed", "deadman": False}])
-def test_a_pin_that_would_never_tell_of_a_trip(tmp_path: Path, without: dict[str, Any]) -> None:
+def test_a_pin_that_would_never_show_a_trip(tmp_path: Path, without: dict[str, Any]) -> None:
     with pytest.raises(BoardError, match=r"no dead-man; .* or say --pin tripped=-"):
         logic(wanted(tmp_path, pins=("tripped=P1A1",)), **without)
     order = wanted(tmp_path, pins=("tripped=-",))

@@ -155,7 +155,7 @@ def test_options_that_are_missing(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.parametrize("vendor", ["vivado", "quartus"])
-def test_no_link_in_the_folder_leads_what_is_built_elsewhere(
+def test_no_symbolic_link_leads_the_build_out_of_its_folder(
     vendor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mine = tmp_path / "mine.tcl"

@@ -179,7 +179,7 @@ def test_a_process_that_dies_says_why() -> None:
         process.line()
 
 
-def test_a_process_that_writes_much_on_stderr_goes_on_and_its_last_lines_are_told() -> None:
+def test_a_process_that_writes_much_on_stderr_goes_on_and_its_last_lines_are_reported() -> None:
     script = (
         "import sys\n"
         "for number in range(30_000): print('warning', number, file=sys.stderr)\n"

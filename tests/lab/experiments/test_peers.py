@@ -65,7 +65,7 @@ def test_a_checksum_makes_the_difference() -> None:
         assert row["frozen"]["outcome"] == "error" and "LinkTimeout" in row["frozen"]["detail"]
 
 
-def test_each_kind_of_wire_has_one_of_ours_that_the_others_are_over() -> None:
+def test_each_kind_of_wire_has_a_link_of_ours_as_the_reference() -> None:
     assert {peers.wire_of(first): first for first in peers.FIRST.values()} == peers.FIRST
     assert set(peers.FIRST.values()) <= peers.OURS.keys()
     assert peers.OURS.keys() | peers.THEIRS.keys() > peers.DATAGRAMS
@@ -94,7 +94,7 @@ MET = (
 
 
 @pytest.mark.parametrize("fault", [fault for fault in peer_faults.FAULTS if fault.name in MET], ids=str)
-def test_what_the_page_says_of_ours_is_so_today(fault: peer_faults.Fault) -> None:
+def test_what_the_page_says_of_our_link_is_still_true(fault: peer_faults.Fault) -> None:
     rows = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))["rows"]
     assert [row["fault"] for row in rows] == [fault.name for fault in peer_faults.FAULTS]
     row = next(row for row in rows if row["fault"] == fault.name)

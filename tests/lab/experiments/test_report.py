@@ -75,7 +75,7 @@ def test_the_committed_figures_are_what_the_model_says_today() -> None:
         assert [tried["ablation"] for tried in row["tried"]] == list(cell.cause.tried)
 
 
-def test_a_cause_moves_its_cell_towards_the_paper_or_is_not_called_one() -> None:
+def test_what_is_called_a_cause_moves_its_cell_towards_the_paper() -> None:
     """The model is computed again with the change, because a text alone explains nothing."""
     cost = SoftwareCost(**RESULTS["software_cost"])
     figures, changed = model_figures(cost), ablations(cost)
@@ -248,7 +248,7 @@ def test_what_was_not_measured_is_said(tmp_path: Path) -> None:
     assert "Not measured: no index" in page and f"Not measured: ros1-out: {absent}" in page
 
 
-def test_topics_stand_beside_the_paper_s_and_what_is_missing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_topics_stand_beside_the_paper_s_and_missing_ones_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     details = {"node messages/s": 9000.0, "bare messages/s": 10_000.0}
     figures = [
         Figure(name, "FPGA -> topic, over bare", 0.9, False, 0.9, "x", details)

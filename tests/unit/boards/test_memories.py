@@ -58,7 +58,7 @@ def test_a_memory_takes_the_shape_that_needs_fewest(words: int, bits: int, block
     assert Memory("three", words, bits, 3).block_rams == 3 * block_rams
 
 
-def test_what_is_below_the_top_counts_as_often_as_it_is_there() -> None:
+def test_a_module_below_the_top_counts_once_for_each_instance() -> None:
     assert [str(memory) for memory in memories_of(NETLIST, "Lamp_Top")] == [
         "18 in buffer: 4,096 words of 18 bits",
         "2 in buffer: 1,024 words of 5 bits",
@@ -67,7 +67,7 @@ def test_what_is_below_the_top_counts_as_often_as_it_is_there() -> None:
     ]
 
 
-def test_a_chip_with_too_few_is_told_with_the_sum() -> None:
+def test_a_chip_with_too_few_is_refused_with_the_sum() -> None:
     memories = memories_of(NETLIST, "lamp_top")
     assert shortage(memories, "hx8k") == shortage(memories, "25k") == ()
     (first, *rest) = shortage(memories, "hx1k")

@@ -121,7 +121,7 @@ PORTS = (
 )
 
 
-def test_wrapper_turns_what_is_active_low_and_makes_two_way_pins() -> None:
+def test_wrapper_inverts_active_low_pins_and_makes_two_way_pins() -> None:
     lines = lines_of(PORTS)
     assert lines == (Line("lamp", "out", 1), Line("key", "in", 2), Line("io", "both", 1))
     given = assign_pins(BOARD, lines, ["key=BTN_N,BTN1", "lamp=LEDR_N"])

@@ -104,7 +104,7 @@ def test_without_a_configuration_widths_can_be_given() -> None:
     assert read(*talk, address_bytes=2, data_bytes=2)[1].meaning == "j1.cpos = 0x12"
 
 
-def test_a_capture_that_ends_within_a_message_says_so() -> None:
+def test_a_capture_that_ends_within_a_message_is_reported() -> None:
     (message,) = read((">", b"#R:"))
     assert (message.kind, message.meaning) == ("damaged", "the capture ends within this message")
 

@@ -98,7 +98,7 @@ def test_other_files_are_refused_with_what_they_are(tmp_path: Path) -> None:
         list(read_packets(tmp_path / "absent.pcapng"))
 
 
-def test_a_block_that_claims_to_be_huge_is_damage_and_is_not_waited_for(tmp_path: Path) -> None:
+def test_a_block_that_claims_to_be_huge_counts_as_damaged_at_once(tmp_path: Path) -> None:
     path = tmp_path / "c.pcapng"
     whole = write(path, [Packet(0.0, "sent", b"#RLC\n")])
     for length in (1 << 24 | 4, 0xFFFFFFFC, 8, 13):
@@ -138,7 +138,7 @@ def test_a_trace_that_cannot_be_written_says_so_before_the_port_is_opened(lamp: 
         connect("tcp://127.0.0.1:5555?trace=a%2")
 
 
-def test_a_trace_whose_disk_fills_up_ends_whole_and_warns_at_the_end(lamp: str, tmp_path: Path) -> None:
+def test_a_trace_on_a_full_disk_stays_valid_and_warns_at_the_end(lamp: str, tmp_path: Path) -> None:
     import resource
 
     path = tmp_path / "full.pcapng"

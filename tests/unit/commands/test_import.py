@@ -153,7 +153,7 @@ def test_what_cannot_be_imported_is_told(name: str, tmp_path: Path) -> None:
         write_spec(read_systemrdl(str(file)))
 
 
-def test_an_error_that_is_none_of_the_compilers_own_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_that_is_not_the_compilers_own_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def ends(*_: object, **__: object) -> None:
         raise TypeError("CommonToken is not a subtype of type")
 

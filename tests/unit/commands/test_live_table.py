@@ -76,7 +76,7 @@ class Reported(Publisher):
 @pytest.mark.parametrize(
     ("now_s", "old"), [(0.9, set()), (2.0, {"fast"}), (29.0, {"fast"}), (31.0, {"fast", "slow"})]
 )
-def test_what_should_have_come_again_is_grey_and_says_its_age(now_s: float, old: set[str]) -> None:
+def test_an_overdue_value_is_grey_and_shows_its_age(now_s: float, old: set[str]) -> None:
     items = [Item("fast", 1), Item("slow", 2), Item("event", 3), Item("never", 4)]
     tracks = {item.name: Track() for item in items}
     for name in ("fast", "slow", "event"):

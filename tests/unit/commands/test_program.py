@@ -54,7 +54,7 @@ def test_a_reader_that_goes_away_is_no_error(options: list[str]) -> None:
     assert process.returncode == 141
 
 
-def test_a_signal_stops_or_ends_and_handlers_come_back() -> None:
+def test_a_signal_stops_or_ends_the_program_and_handlers_are_restored() -> None:
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     for number in (signal.SIGINT, signal.SIGTERM):
         with stopped_by_signals() as stop:

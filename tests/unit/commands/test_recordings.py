@@ -46,7 +46,7 @@ def test_watch_counts_from_its_start_in_the_order_of_time(
 
 
 @pytest.mark.parametrize("ending", ["mcap", "csv"])
-def test_a_recording_is_in_order_has_the_set_points_and_no_digits_that_nobody_wrote(
+def test_a_recording_is_in_order_and_has_the_set_points_without_extra_digits(
     link: str, tmp_path: Path, ending: str
 ) -> None:
     path = tmp_path / f"arm.{ending}"
@@ -60,7 +60,7 @@ def test_a_recording_is_in_order_has_the_set_points_and_no_digits_that_nobody_wr
         assert not re.search(r"\.\d{10}", path.read_text().replace(f"{found[0].time_s:.0f}", ""))
 
 
-def test_topics_say_when_and_plots_have_the_units_that_lie_in_the_file(link: str, tmp_path: Path) -> None:
+def test_topics_name_their_rates_and_plots_have_the_units_of_the_file(link: str, tmp_path: Path) -> None:
     path = tmp_path / "arm.mcap"
     assert main(["record", link, "--out", str(path), "--rate", "20", "--count", "150"]) == 0
     with open(path, "rb") as stream:

@@ -18,7 +18,7 @@ HOLD_S = 1.0
     st.lists(st.tuples(st.floats(0, 10), st.floats(0, HOLD_S)), max_size=50),  # (time, delay of its arrival)
     st.lists(st.floats(0, 10), max_size=20),  # the times at which samples are taken out
 )
-def test_what_is_no_later_than_held_back_comes_in_order_and_is_whole(
+def test_things_that_come_within_the_hold_time_come_out_in_order(
     things: list[tuple[float, float]], looks: list[float]
 ) -> None:
     held = ReorderBuffer[float](HOLD_S)
@@ -35,13 +35,13 @@ def test_what_is_no_later_than_held_back_comes_in_order_and_is_whole(
     assert given_out == sorted(time_s for time_s, _ in things)
 
 
-def test_what_is_later_than_that_has_lost_its_place() -> None:
+def test_things_that_come_later_are_dropped() -> None:
     held = ReorderBuffer[str](HOLD_S)
     assert held.put(5.0, "a") and held.take(6.0) == "a"
     assert not held.put(4.9, "too late") and held.put(5.0, "at the same time")
 
 
-def test_without_holding_back_things_come_as_they_were_put_in() -> None:
+def test_without_a_hold_time_things_come_out_as_they_were_put_in() -> None:
     held = ReorderBuffer[str](0.0)
     for time_s, thing in ((3.0, "a"), (1.0, "b"), (2.0, "c")):
         assert held.put(time_s, thing)

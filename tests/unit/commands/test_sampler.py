@@ -15,7 +15,7 @@ from unitylink.simulate import Board
 MANY = 500
 
 
-def test_what_one_sleep_gathers_is_handed_out_without_another(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_samples_of_one_sleep_are_handed_out_without_another_sleep(monkeypatch: pytest.MonkeyPatch) -> None:
     """One sleep for each sample made `record` fall behind everything that was faster than 50 Hz."""
     slept: list[float] = []
     with (

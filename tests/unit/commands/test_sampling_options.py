@@ -53,11 +53,11 @@ def items(*names: str) -> list[str]:
     return [item.name for item in sampled_items(target(SPEC), names, "watch")]
 
 
-def test_without_names_what_the_pc_reads_and_reading_does_not_change() -> None:
+def test_without_names_all_items_that_a_read_does_not_change_are_taken() -> None:
     assert items() == ["position", "mode", "faults"]
 
 
-def test_with_names_what_they_say_but_what_reading_changes_only_by_its_own() -> None:
+def test_an_item_that_a_read_changes_is_taken_only_by_its_own_name() -> None:
     assert items("arm") == ["position", "target", "mode", "faults"]
     assert items("steps", "target", "0x20") == ["steps", "target", "0x0020"]
 
@@ -77,7 +77,7 @@ class HalfDumb:
 
 
 @pytest.mark.parametrize("refused", [set[int](), {0x2}])
-def test_set_points_are_what_the_device_lets_be_read_back(
+def test_set_points_are_items_that_the_device_allows_to_read_back(
     refused: set[int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     link: Any = HalfDumb(refused)
@@ -89,7 +89,7 @@ def test_set_points_are_what_the_device_lets_be_read_back(
 
 
 @pytest.mark.parametrize("name", ["watch", "record"])
-def test_what_is_published_on_change_is_there_before_it_changes(
+def test_a_value_published_on_change_has_a_sample_before_it_changes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     spec = tmp_path / "door.ul"

@@ -42,7 +42,7 @@ def test_checksums_are_those_of_the_link(letters: str, data: bytes) -> None:
     assert prepare(typed, NAMES, 1).encode() + b"\n" == ClassicEncoder(checked=True).encode(letters, data)
 
 
-def test_a_name_that_is_not_there_is_told_with_the_nearest() -> None:
+def test_an_unknown_name_is_reported_with_the_most_similar_one() -> None:
     with pytest.raises(ValueError, match=r"did you mean j\.pos"):
         prepare("#R:j.pso", NAMES, 2)
 

@@ -18,14 +18,14 @@ LED = Path(__file__).parents[3] / "examples" / "hello_led" / "hello_led.ul"
 
 
 @pytest.mark.parametrize("url", ["", "x", "seriall:/dev/ttyUSB0", "SIM:x.ul", "://", "c:\\robot.ul"])
-def test_what_is_no_scheme_is_told_with_all_there_are(url: str) -> None:
+def test_an_unknown_scheme_is_reported_with_all_known_ones(url: str) -> None:
     for opened in (scheme_of, connect, lambda one: open_driver(one).__enter__()):
         with pytest.raises(UrlError, match="scheme") as raised:
             opened(url)
         assert all(scheme.form in str(raised.value) for scheme in SCHEMES.values())
 
 
-def test_the_native_core_knows_what_the_table_leaves_to_it() -> None:
+def test_the_native_core_knows_the_schemes_that_the_table_leaves_to_it() -> None:
     with pytest.raises(UrlError) as raised:
         Driver("none:")
     for name, scheme in SCHEMES.items():

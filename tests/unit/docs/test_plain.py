@@ -35,7 +35,7 @@ class Ceilings(NamedTuple):
 
 CEILINGS = {
     "pages": Ceilings((".",), 12, 15.5, 0.03, 3000),
-    "python": Ceilings(("src", "tools"), 11, 16, 0.04, 4000),
+    "python": Ceilings((".",), 10.5, 15, 0.03, 6000),
     "vhdl": Ceilings(("gateware", "examples", "src"), 10.5, 15.5, 0.06, 2500),
     "c++": Ceilings(("native/include", "native/src"), 10.5, 16.5, 0.1, 1000),
 }
@@ -91,6 +91,13 @@ def f() -> None:
     """Return nothing at all.
 
     >>> f("not this one")
+    'nor what it prints'
+
+    \\b
+    Nor a block that click prints unwrapped.
+    Its second line neither.
+
+    The sixth comes after them.
     """
 '''
 
@@ -162,6 +169,7 @@ def test_the_sentences_of_python(tmp_path: Path) -> None:
         (2, "Do the first thing."),
         (4, "Then do the second one:"),
         (15, "Return nothing at all."),
+        (24, "The sixth comes after them."),
         (9, "the third one, beside code"),
         (10, "The fourth goes over two lines."),
         (11, "Of the fifth this is all."),

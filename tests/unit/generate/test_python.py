@@ -325,7 +325,7 @@ def test_what_python_knows_is_reserved() -> None:
     assert sys.stdlib_module_names <= RESERVED
 
 
-def test_what_is_no_file_is_neither_read_nor_written(tmp_path: Path) -> None:
+def test_a_pipe_in_place_of_a_file_is_neither_read_nor_written(tmp_path: Path) -> None:
     """A program that reads a pipe without a writer waits for ever."""
     os.mkfifo(tmp_path / "robot.py")
     spec = spec_of("public p() { @a = 0x0: READ(); }")

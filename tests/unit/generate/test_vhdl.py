@@ -109,7 +109,7 @@ def test_a_word_of_several_devices_has_one_field_and_both_directions() -> None:
 
 
 @pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ", "READCLEAR PULSE", "PULSE READCLEAR"])
-def test_a_pulse_beside_what_is_read_hides_nothing_of_it(words: str) -> None:
+def test_a_pulse_does_not_hide_the_read_word_that_it_shares(words: str) -> None:
     """In either order of the text: the word belongs to the logic, the strobe lasts one clock, and a read is
     reported.
     """
@@ -202,7 +202,7 @@ def test_what_the_gateware_has_not_is_refused(overrides: dict[str, Any], message
         generate_vhdl(spec, BoardConfiguration.for_spec(spec, **overrides))
 
 
-def test_words_beside_a_component_leave_it_its_place() -> None:
+def test_words_beside_a_component_do_not_overlap_it() -> None:
     """The words share a window of 64 addresses with the component, and stand on both sides of it."""
     spec = spec_of("public a() { @x = 0x0: READ(); @y = 0x1F: READ(); p: pwm() @ 0x8; }")
     design = generate_vhdl(spec)["vhdl/robot_design.vhd"]
@@ -272,7 +272,7 @@ def test_one_event_of_a_component_may_publish_several_groups() -> None:
     assert "lines(0) <= changed_line;" in design and "lines(1) <= changed_line;" in design
 
 
-def test_what_is_published_on_change_is_given_by_the_user() -> None:
+def test_the_users_logic_drives_a_value_that_is_published_on_change() -> None:
     text = "public a() { @x = 0x0: READWRITE(PUBLISH(on change)); }"
     with pytest.raises(BindingError, match="x is published on change, but your logic does not drive it"):
         generate_vhdl(spec_of(text))
@@ -327,7 +327,7 @@ def component(entity: str, port: str) -> str:
     )
 
 
-def test_a_port_is_called_like_nothing_in_the_design() -> None:
+def test_a_port_has_no_name_that_the_design_uses() -> None:
     """The design has a signal slaves_m2s. Ports and signals share one region of names."""
     design = generate_vhdl(spec_of(component("own", "m2s"), "p.ul"))["vhdl/p_design.vhd"]
     assert re.search(r"^    slaves_m2s_2 +: out std_ulogic;$", design, re.MULTILINE)

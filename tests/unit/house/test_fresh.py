@@ -113,7 +113,7 @@ def test_no_target_sees_what_another_one_left(try_targets: Try, tmp_path: Path) 
         assert outcome.changed == "build, trace"
 
 
-def test_a_target_knows_nothing_of_the_user_who_runs_it(
+def test_a_target_sees_nothing_of_the_user_who_runs_it(
     try_targets: Try, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("SECRET", "VIRTUAL_ENV", "PIP_CACHE_DIR"):

@@ -84,7 +84,7 @@ def test_every_source_is_laid_out() -> None:
         ("a <= b;\n", "a.vhd: not one newline at the end"),
     ],
 )
-def test_a_fault_of_the_layout_is_told(line: str, fault: str) -> None:
+def test_a_fault_of_the_layout_is_reported(line: str, fault: str) -> None:
     assert list(faults(PurePosixPath("a.vhd"), f"a <= b;\n{line}\n")) == ([fault] if fault else [])
 
 

@@ -36,7 +36,7 @@ def by_purl(bill: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 @pytest.mark.parametrize("name", ASKED)
-def test_all_that_is_locked_is_in_it_with_its_hashes(name: str, bill: dict[str, Any]) -> None:
+def test_it_has_all_locked_packages_with_their_hashes(name: str, bill: dict[str, Any]) -> None:
     found = by_purl(bill)
     text = (LOCKS / f"{name}.txt").read_text(encoding="utf-8")
     for (pinned, _), entry in zip(entries(name), re.split(r"\n(?=\S)", text.strip()), strict=True):
@@ -62,7 +62,7 @@ def test_it_says_who_needs_what(bill: dict[str, Any]) -> None:
     assert set(root["dependsOn"]) == {one["purl"] for one in bill["components"] if one["scope"] == "required"}
 
 
-def test_what_setup_installs_and_what_is_loaded_is_in_it(bill: dict[str, Any]) -> None:
+def test_it_has_everything_that_setup_installs_or_a_program_loads(bill: dict[str, Any]) -> None:
     found = by_purl(bill)
     lines = (ROOT / "tools" / "setup.sh").read_text(encoding="utf-8").splitlines()
     needs = [shlex.split(line, comments=True) for line in lines if re.match(r"\s*need ", line)]

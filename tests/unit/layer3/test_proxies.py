@@ -72,7 +72,7 @@ def test_fifo_says_what_to_do(fake: ModuleType) -> None:
         fifo.pop_many(-1)
 
 
-def test_what_counts_more_words_than_a_fifo_holds_is_none(fake: ModuleType) -> None:
+def test_a_register_with_a_larger_number_than_a_fifo_holds_is_refused(fake: ModuleType) -> None:
     """Some other register may hold a large number. Popping so many words would take hours."""
     link = fake.FakeLink()
     fifo = FifoProxy(link, 0x40)

@@ -63,7 +63,7 @@ def test_after_a_loss_the_next_set_is_of_one_tick() -> None:
     assert pairs(sets("both", *LOSS)) == [(0, 0), (2, 2), (3, 3)]
 
 
-def test_without_the_times_of_the_device_it_cannot_be_known() -> None:
+def test_without_the_device_s_times_ticks_cannot_be_told_apart() -> None:
     assert pairs(sets("classic", *LOSS)) == [(0, 0), (2, 1), (3, 2)]
 
 
@@ -118,7 +118,7 @@ def test_a_node_gives_sets_at_its_fastest_rate(board: Board) -> None:
 
 @pytest.mark.parametrize("running", [False, True], ids=["not yet publishing", "publishing"])
 @pytest.mark.parametrize("name", ["lamp.on", "lamp"])
-def test_an_iteration_over_what_is_published_on_change_begins_with_what_it_is(
+def test_an_iteration_over_publishes_on_change_begins_with_the_current_value(
     board: Board, name: str, running: bool
 ) -> None:
     async def first_two(robot: Any) -> list[Any]:
@@ -163,7 +163,7 @@ def test_the_first_value_is_published_once(board: Board) -> None:
         assert times_s.tolist() == [first_s, then_s] == sorted(times_s)
 
 
-def test_what_reading_changes_is_not_read_for_a_set() -> None:
+def test_a_value_that_a_read_changes_is_not_read_for_a_set() -> None:
     spec = spec_of("""
         public drive() {
            @pos = 0x10: u16 READ(PUBLISH(1, 10));

@@ -241,7 +241,7 @@ def packed() -> Iterator[tuple[Link, Node]]:
 
 
 @pytest.mark.parametrize("name", NOT_PACKED)
-def test_packed_values_that_cannot_be_are_refused_before_anything_is_sent(
+def test_invalid_packed_values_are_refused_before_anything_is_sent(
     name: str, packed: tuple[Link, Node]
 ) -> None:
     link, lamp = packed
@@ -265,7 +265,7 @@ def test_packed_values_that_cannot_be_are_refused_before_anything_is_sent(
         assert link.statistics().requests == before
 
 
-def test_packed_values_that_can_be_are_written_as_they_are(packed: tuple[Link, Node]) -> None:
+def test_valid_packed_values_are_written_unchanged(packed: tuple[Link, Node]) -> None:
     link, lamp = packed
     lamp["plain"].write(0x3F80_0000_0000_0021)
     assert link.read_many([0x10, 0x11]).tolist() == [0x21, 0x3F80_0000]

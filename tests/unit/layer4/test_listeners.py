@@ -30,13 +30,13 @@ def told(
 
 
 @pytest.mark.parametrize("time_s", [9.0, 10.0, 11.0])
-def test_a_change_is_told_though_its_time_is_before_that_of_the_first(time_s: float) -> None:
+def test_a_change_is_reported_even_with_an_earlier_time_than_the_first_value(time_s: float) -> None:
     """The PC read the first value, at the PC's time. The device's clock may be behind."""
     found = told(Listeners("x"), lambda: (10.0, 0), [(time_s, 1), (12.0, 2)], 3)
     assert found == [(10.0, 0), (time_s, 1), (12.0, 2)]
 
 
-def test_a_publish_that_comes_while_the_newest_is_asked_for_is_told_once() -> None:
+def test_a_publish_that_comes_during_the_request_for_the_newest_is_given_once() -> None:
     listeners: Listeners[int] = Listeners("x")
 
     def newest() -> Pair:

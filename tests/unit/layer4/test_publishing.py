@@ -96,7 +96,7 @@ def test_one_publish_is_one_consistent_snapshot(fake: ModuleType) -> None:
     publisher.stop()
 
 
-def test_a_group_over_two_links_is_told_once_per_set(fake: ModuleType) -> None:
+def test_a_group_over_two_links_is_called_once_for_each_set(fake: ModuleType) -> None:
     left, right = fake.FakeLink(url="left:"), fake.FakeLink(url="right:")
     (a,) = values(MemoryProxy(left), Publisher(), [(1, 10)])
     (b,) = values(MemoryProxy(right), Publisher(), [(1, 10)], first=1)

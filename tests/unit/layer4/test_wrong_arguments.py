@@ -277,7 +277,7 @@ def test_nothing_was_sent(rig: Rig, path: str, wrong: list[Any]) -> None:
     assert rig.link.statistics().requests == before
 
 
-def test_a_raw_number_of_packed_bits_is_looked_into_first(rig: Rig) -> None:
+def test_a_raw_number_of_packed_bits_is_checked_first(rig: Rig) -> None:
     """0b100 is not a valid mode. Once it was sent, and refused only after that."""
     rig.robot.stop_publishing()
     before = rig.link.statistics().requests
@@ -318,7 +318,7 @@ def test_no_object_is_replaced(rig: Rig, assign: Callable[[Any], None], says: st
     assert isinstance(rig.robot.j[0].target, WriteValue)
 
 
-def test_a_class_of_ones_own_has_attributes_of_its_own() -> None:
+def test_a_users_own_class_may_have_its_own_attributes() -> None:
     class Arm(Node):
         pass
 
@@ -329,7 +329,7 @@ def test_a_class_of_ones_own_has_attributes_of_its_own() -> None:
         assert arm.speed == 3
 
 
-def test_names_that_are_not_there_are_key_errors_of_this_library(rig: Rig) -> None:
+def test_unknown_names_are_key_errors_of_this_library(rig: Rig) -> None:
     for wrong in ("j[0].taget", "", 3):
         with pytest.raises(UnknownName) as missing:
             rig.robot[wrong]

@@ -114,7 +114,7 @@ def test_on_every_kind_of_board(any_link: Link, seed: int) -> None:
 
 
 @pytest.mark.parametrize("what", ["itself", "another", "link"])
-def test_what_a_callback_that_closes_leaves_can_be_drained(link: Link, device: Any, what: str) -> None:
+def test_publishes_left_by_a_closing_callback_can_be_drained(link: Link, device: Any, what: str) -> None:
     """The call that closes is the last one, even if more publishes had already been fetched for the next
     calls.
     """
@@ -185,7 +185,7 @@ def test_callbacks_that_close_each_other_do_not_wait_for_each_other() -> None:
         assert done.empty()
 
 
-def test_who_closes_waits_for_a_call_under_way(link: Link, device: Any) -> None:
+def test_close_waits_for_a_running_call(link: Link, device: Any) -> None:
     subscription = link.subscribe([1], divisor=10)
     under_way, go_on = threading.Event(), threading.Event()
     order: list[str] = []
@@ -244,7 +244,9 @@ def test_who_waits_and_who_iterates_gets_the_rest(link: Link, device: Any) -> No
 
 
 @pytest.mark.parametrize("what", ["subscription", "link"])
-def test_what_had_come_when_the_port_went_is_called_back(link: Link, device: Any, what: str) -> None:
+def test_publishes_from_before_the_loss_of_the_port_reach_the_callback(
+    link: Link, device: Any, what: str
+) -> None:
     subscription = link.subscribe([1], divisor=10)
     got: list[int] = []
     go_on = threading.Event()
@@ -264,7 +266,7 @@ def test_what_had_come_when_the_port_went_is_called_back(link: Link, device: Any
 
 
 @pytest.mark.parametrize("what", ["link", "subscription", "event"])
-def test_a_callback_that_does_not_return_is_left_behind(
+def test_closing_does_not_wait_for_a_callback_that_does_not_return(
     link: Link, device: Any, what: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("unitylink.layer2_message.callbacks.STUCK_S", 0.1)
@@ -294,7 +296,7 @@ def test_a_callback_that_does_not_return_is_left_behind(
     assert len(calls) == 1, "it is not called again"
 
 
-def test_callbacks_that_are_slow_but_return_are_waited_for(
+def test_closing_waits_for_slow_callbacks_that_return(
     link: Link, device: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("unitylink.layer2_message.callbacks.STUCK_S", 0.2)

@@ -15,7 +15,7 @@ from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration
 
 
-def test_only_data_travels_and_each_word_in_its_bytes() -> None:
+def test_only_data_travels_and_each_word_has_its_own_size() -> None:
     with Board() as board, Link(f"{board.url}?timeout=2") as link:
         board.registers[0x10], board.registers[0x11] = 0x12345678, 0xFFFF
         with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[(0x10, 2), 0x11, 0x20]) as group:
@@ -34,7 +34,7 @@ def test_only_data_travels_and_each_word_in_its_bytes() -> None:
             group.exchange([1, 2])
 
 
-def test_as_many_and_as_large_as_the_device_has() -> None:
+def test_there_are_as_many_and_as_large_groups_as_the_device_has() -> None:
     with (
         Board(configuration=BoardConfiguration(exchanges=2, exchange_size=3)) as board,
         Link(f"{board.url}?timeout=2") as link,
@@ -61,7 +61,7 @@ def test_as_many_and_as_large_as_the_device_has() -> None:
         link.exchange_group(reads=[1])
 
 
-def test_on_a_classic_link_it_is_writes_and_reads_and_says_so() -> None:
+def test_on_a_classic_link_it_does_writes_and_reads_and_says_so() -> None:
     with (
         Board(configuration=BoardConfiguration(protocol="classic")) as board,
         Link(f"{board.url}?timeout=2") as link,
@@ -88,7 +88,7 @@ def test_it_is_defined_again_when_the_device_was_reset() -> None:
         assert link.statistics().sessions == 2
 
 
-def test_a_bus_error_is_told_and_the_group_lives_on() -> None:
+def test_a_bus_error_is_reported_and_the_group_stays_usable() -> None:
     line = Line(0)
     line.calm = True
     line.device.bus.bad[0x30] = 1

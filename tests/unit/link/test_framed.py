@@ -73,7 +73,7 @@ def test_a_dead_man_trips_only_where_the_host_is_silent() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_everything_is_executed_once_or_said_to_be_unknown(seed: int) -> None:
+def test_everything_is_executed_once_or_reported_as_unknown(seed: int) -> None:
     line = Line(seed)
     choose = random.Random(seed)
     made: list[int] = []
@@ -122,7 +122,7 @@ def test_everything_is_executed_once_or_said_to_be_unknown(seed: int) -> None:
     assert [place[value] for value in done] == sorted(place[value] for value in done)
 
 
-def test_a_bus_error_is_told_with_its_address_and_stops_a_list() -> None:
+def test_a_bus_error_is_reported_with_its_address_and_stops_a_list() -> None:
     line = Line(0)
     line.calm = True
     line.device.bus.bad[0x30] = 1

@@ -81,7 +81,7 @@ def test_the_synchronous_fifo(plug: Plug) -> None:
 
 
 @pytest.mark.parametrize(("protocol", "event"), [("classic", "010A"), ("framed", "0100"), ("auto", "0100")])
-def test_the_event_character_sends_what_the_latency_timer_would_hold(
+def test_the_event_character_sends_bytes_that_would_wait_for_the_latency_timer(
     plug: Plug, protocol: str, event: str
 ) -> None:
     log = plug()

@@ -139,6 +139,6 @@ def _crc(data: bytes) -> int:
     return remainder
 
 
-def test_a_head_with_a_letter_behind_it_is_no_reply() -> None:
+def test_a_head_with_a_letter_after_it_is_not_a_reply() -> None:
     """This is a checksum `3f` in which one bit was flipped."""
     assert not [e for e in ClassicDecoder().feed(b"$S_R:40de1212*#f\n") if isinstance(e, Reply)]

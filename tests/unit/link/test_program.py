@@ -70,7 +70,7 @@ def test_a_program_that_hangs_lets_the_dead_man_trip_and_goes_on_when_it_works_a
         assert board.registers[0x10] == 9
 
 
-def test_who_asks_for_more_than_that_still_needs_a_sign_of_life(board: Board) -> None:
+def test_a_program_that_only_reads_still_needs_a_sign_of_life(board: Board) -> None:
     """A thread that reads is no sign that the deciding thread works."""
     with connect(f"{board.url}?timeout=5&deadman=0.2", reconnect=True) as link:
         link.watch_program(0.05)

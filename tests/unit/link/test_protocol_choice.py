@@ -27,14 +27,14 @@ def test_what_the_gateware_was_built_with_is_spoken(built: str, spoken: str) -> 
         assert link.read(0x10) == 5
 
 
-def test_who_answers_neither_is_told_so_in_the_words_of_the_first_question() -> None:
+def test_a_device_that_answers_in_neither_protocol_gives_the_error_of_the_first_question() -> None:
     ours, theirs = socket.socketpair()
     with theirs, pytest.raises(LinkTimeout, match="the device has never answered"):
         Link(f"fd:{ours.detach()}?timeout=0.05&attempts=1")
 
 
 @pytest.mark.parametrize("protocol", ["classic", "framed", "auto"])
-def test_what_a_host_left_in_the_middle_of_a_frame_is_ended(protocol: str) -> None:
+def test_a_frame_that_an_earlier_host_left_unfinished_is_ended(protocol: str) -> None:
     with Board(endpoint="tcp") as board:
         where = urlsplit(board.url)
         with socket.create_connection((where.hostname, where.port)) as gone:

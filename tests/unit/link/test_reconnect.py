@@ -229,7 +229,7 @@ def test_a_running_dead_man_makes_the_outputs_safe_and_is_armed_by_the_program(r
         assert state.running and not state.tripped and state.silence_s == 20
 
 
-def test_a_reset_behind_a_line_that_stays_is_told(rig: Rig) -> None:
+def test_a_reset_is_reported_although_the_line_stays(rig: Rig) -> None:
     with opened(rig.url, "framed") as link:
         heard: list[LinkEvent] = []
         link.on_event(heard.append)
@@ -246,7 +246,7 @@ def test_a_reset_behind_a_line_that_stays_is_told(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize("protocol", ["framed", "classic"])
-def test_a_device_that_falls_silent_is_lost_and_found_though_nobody_asks(rig: Rig, protocol: str) -> None:
+def test_a_silent_device_is_lost_and_found_without_any_request(rig: Rig, protocol: str) -> None:
     with connect(f"{rig.url}?timeout=0.2&protocol={protocol}&reconnect=1") as link:
         publishes = link.subscribe([SCRATCH], divisor=10)
         rig.wire.stopped = True
@@ -270,7 +270,7 @@ def test_another_device_ends_the_link(rig: Rig, protocol: str) -> None:
             link.read(SCRATCH)
 
 
-def test_posts_that_were_not_confirmed_are_told_and_never_sent_again(rig: Rig) -> None:
+def test_unconfirmed_posts_are_reported_and_never_sent_again(rig: Rig) -> None:
     with opened(rig.url, "framed") as link:
         rig.wire.cut_after("to the board", 100)
         with pytest.raises((LinkDown, OutcomeUnknown)) as told:
@@ -295,7 +295,7 @@ def test_posts_that_were_not_confirmed_are_told_and_never_sent_again(rig: Rig) -
 # ---- events
 
 
-def test_events_are_told_in_order_to_callbacks_and_tasks(rig: Rig) -> None:
+def test_callbacks_and_tasks_get_events_in_order(rig: Rig) -> None:
     async def follow(link: Link) -> list[str]:
         found = []
         async for event in link.events():

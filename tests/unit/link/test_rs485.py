@@ -118,7 +118,7 @@ def test_a_node_that_is_not_there_and_comes(pair: Pair) -> None:
             assert (first.read(0x12), second.read(0x12)) == (5, 0)
 
 
-def test_flipped_bits_lose_no_write_and_reach_nobody_else(pair: Pair) -> None:
+def test_flipped_bits_lose_no_write_and_reach_no_other_node(pair: Pair) -> None:
     more = "&attempts=50&timeout=0.2&silence=0.02"
     with (
         connect(f"rs485:{pair.path}?node=1{more}") as one,

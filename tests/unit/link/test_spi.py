@@ -54,7 +54,7 @@ def test_words_both_ways_and_publishes(
     assert log[-1].startswith("transfers ")
 
 
-def test_a_wire_says_that_the_board_has_something(spi_client: SpiClient, board: Board) -> None:
+def test_a_wire_signals_that_the_board_has_bytes(spi_client: SpiClient, board: Board) -> None:
     """Without the wire, the second publish would come with the next poll: ten minutes later."""
     code = MOVE.replace("{options}", "poll=600&waiting=/dev/gpiochip0:25")
     said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0")
@@ -129,7 +129,7 @@ def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None
     assert spi_client(code, port=port_of(board)) == "True\n"
 
 
-def test_nothing_is_clocked_within_a_message(spi_client: SpiClient, board: Board) -> None:
+def test_no_filler_is_clocked_within_a_message(spi_client: SpiClient, board: Board) -> None:
     """A zero within a classic message would be an invalid character.
 
     The reply would be `?f3` instead of the answer.

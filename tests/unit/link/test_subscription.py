@@ -21,7 +21,7 @@ def publish(device: Any, subscription: Any, count: int) -> None:
         assert subscription.wait(10)
 
 
-def test_a_closed_subscription_has_nothing_of_the_next_one_in_its_group(link: Link, device: Any) -> None:
+def test_a_closed_subscription_gets_nothing_from_the_next_one_in_its_group(link: Link, device: Any) -> None:
     first = link.subscribe([1, 2, 3], divisor=10)
     publish(device, first, 2)
     first.close()
@@ -84,7 +84,7 @@ def test_the_callback_thread_rests_while_all_may_wait(
     assert rests.empty()
 
 
-def test_several_that_have_come_are_offered_as_arrays_first(link: Link, device: Any) -> None:
+def test_several_publishes_are_first_offered_as_arrays(link: Link, device: Any) -> None:
     got: queue.SimpleQueue[object] = queue.SimpleQueue()
     go_on = threading.Event()
     taken = [False, True]
@@ -166,7 +166,7 @@ def test_subscribing_and_closing_again_and_again(link: Link, device: Any) -> Non
     assert kept.drain()[1].tolist() == [[device.memory[7]]]
 
 
-def test_all_who_wait_hear_that_the_port_is_gone(
+def test_all_waiting_callers_learn_that_the_port_is_gone(
     link: Link, device: Any, caplog: pytest.LogCaptureFixture
 ) -> None:
     subscription = link.subscribe([1], divisor=10)
@@ -188,7 +188,7 @@ def test_all_who_wait_hear_that_the_port_is_gone(
     assert "no more callbacks: the link is closed (the other side closed the connection)" in caplog.text
 
 
-def test_all_who_wait_hear_that_the_board_went_to_somebody_else(link: Link, device: Any) -> None:
+def test_all_waiting_callers_learn_that_another_program_has_the_board(link: Link, device: Any) -> None:
     subscription = link.subscribe([1], divisor=10)
     device.send(b"?busy\n")
     with pytest.raises(LinkBusy):

@@ -128,7 +128,7 @@ def test_narrow_words_are_written_by_corrected_gateware_only(data_bits: int, fak
     old.close()
 
 
-def test_what_a_bus_timeout_on_2012_gateware_may_do_is_told() -> None:
+def test_the_error_explains_what_a_bus_timeout_may_do_on_2012_gateware() -> None:
     configuration = BoardConfiguration(
         protocol="classic", published_2012=True, silent_ranges=((0, 0), (0xF0, 0xFF))
     )

@@ -71,9 +71,7 @@ def test_no_port(diagnose: Diagnose) -> None:
         ("tcp://127.0.0.1:99999", "99999"),
     ],
 )
-def test_what_connect_refuses_the_doctor_refuses_before_it_looks(
-    diagnose: Diagnose, link: str, wrong: str
-) -> None:
+def test_the_doctor_refuses_at_once_what_connect_refuses(diagnose: Diagnose, link: str, wrong: str) -> None:
     with pytest.raises(UrlError, match=wrong):
         diagnose(link=link)
 
@@ -248,7 +246,7 @@ def test_line_errors(diagnose: Diagnose) -> None:
     assert list(found) == ["line-errors"] and "framing" in found["line-errors"].cause
 
 
-def test_a_half_received_message_before_is_no_line_error(diagnose: Diagnose) -> None:
+def test_a_message_that_was_received_in_half_before_is_not_a_line_error(diagnose: Diagnose) -> None:
     assert diagnose(lambda line: b"?f3\n" + healthy(line)) == {}
 
 

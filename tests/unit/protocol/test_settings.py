@@ -183,7 +183,7 @@ def test_urls_and_simulate_have_the_same_options() -> None:
         ("data_bits=4", "data_bits is 4; choose 8 to 32"),
     ],
 )
-def test_what_no_gateware_has_a_url_cannot_ask_for(option: str, words: str) -> None:
+def test_a_url_cannot_ask_for_what_no_gateware_has(option: str, words: str) -> None:
     for kind in ("sim", "rtl"):
         with pytest.raises(ValueRangeError, match=words):
             simulated_board(f"{kind}:{SCARA}?{option}")

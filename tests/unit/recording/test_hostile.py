@@ -153,7 +153,7 @@ def test_units_that_are_none_are_damage(units: str, tmp_path: Path) -> None:
     ],
     ids=lambda row: row[:12],
 )
-def test_rows_that_are_no_samples_are_refused_with_their_line(row: str, tmp_path: Path) -> None:
+def test_invalid_rows_are_refused_with_their_line(row: str, tmp_path: Path) -> None:
     path = tmp_path / "r.csv"
     path.write_text(f"time_s,x\n0.0,1\n{row}\n")
     with pytest.raises(UnityLinkError, match=r"r\.csv: line 3: "):

@@ -89,7 +89,7 @@ def test_what_is_no_number_is_empty_in_csv(tmp_path: Path) -> None:
     assert read.values == {"b": float("inf")}
 
 
-def test_one_that_was_cut_off_at_once_is_told_from_another_file(tmp_path: Path) -> None:
+def test_a_recording_cut_off_at_once_differs_from_a_file_of_another_kind(tmp_path: Path) -> None:
     write(tmp_path / "arm.mcap", 1)
     (tmp_path / "arm.mcap").write_bytes((tmp_path / "arm.mcap").read_bytes()[:20])
     with pytest.raises(RecordingTruncated, match="cut off or damaged before its first sample"):
@@ -99,7 +99,7 @@ def test_one_that_was_cut_off_at_once_is_told_from_another_file(tmp_path: Path) 
         list(samples(tmp_path / "arm.mcap"))
 
 
-def test_a_file_that_was_cut_off_gives_all_before(path: Path) -> None:
+def test_a_cut_off_file_gives_all_samples_before_the_cut(path: Path) -> None:
     count = 10_000
     write(path, count)
     whole = path.read_bytes()
@@ -130,7 +130,7 @@ def full_disk() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("full_disk")
-def test_a_full_disk_is_an_error_that_says_what_is_whole(path: Path) -> None:
+def test_a_full_disk_is_an_error_that_says_how_much_is_valid(path: Path) -> None:
     with pytest.raises(
         UnityLinkError, match=r"File too large; it holds the first \d+ (samples|lines), whole"
     ):

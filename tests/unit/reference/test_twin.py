@@ -126,7 +126,7 @@ def test_the_dead_man_at_its_tick() -> None:
     assert denied[0] == p.DEVICE_KIND_REPLY + p.REPLY_STATUS_DENIED
 
 
-def test_safe_values_that_nobody_takes_are_written_at_each_tick_until_it_is_armed() -> None:
+def test_safe_values_without_an_answer_are_written_at_each_tick_until_it_is_armed() -> None:
     settings = Settings(safe=((0x10, 0), (SILENT[0], 1), (0x11, 0xFFFF)))
     twin = twin_of(settings)
     tick = settings.clock_hz // settings.base_hz
@@ -288,7 +288,7 @@ def test_frames_that_wait_are_signs_of_life() -> None:
     assert twin.get(0x10) == 0
 
 
-def test_nothing_but_arm_lets_the_classic_side_write_again() -> None:
+def test_only_arm_allows_the_classic_side_to_write_again() -> None:
     settings = Settings(features=0x3F, safe=SAFE)
     twin = stalled_twin(settings)
     tick = settings.clock_hz // settings.base_hz

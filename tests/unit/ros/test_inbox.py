@@ -70,7 +70,7 @@ def test_a_message_is_taken_whole_or_not() -> None:
         inbox.put({"a": 1})
 
 
-def test_a_write_that_fails_is_said_and_tried_again_with_what_came_since() -> None:
+def test_a_failed_write_is_logged_and_tried_again_with_newer_commands() -> None:
     group, said = SlowGroup("a"), list[str]()
     group.fail = True
     group.gate.release(9)

@@ -134,7 +134,7 @@ def test_a_device_that_was_reset_is_made_safe_first(spec: Spec, board: Board) ->
 
 
 @pytest.mark.parametrize("protocol", ["classic", "framed"])
-def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) -> None:
+def test_a_dead_thread_makes_the_robot_safe_and_is_reported(spec: Spec, protocol: str) -> None:
     """The process lives, and so does its link. The node itself notices, and stops the keep-alive."""
     configuration = BoardConfiguration.for_spec(spec, protocol="both" if protocol == "framed" else protocol)
     with (
@@ -182,7 +182,7 @@ def test_a_command_that_breaks_something_is_refused_and_the_next_is_taken(spec: 
         plane.wait(lambda: board.registers[0x12] == 500)
 
 
-def test_no_command_of_before_a_loss_is_written_after_it(spec: Spec, board: Board) -> None:
+def test_no_command_from_before_a_loss_is_written_after_it(spec: Spec, board: Board) -> None:
     """Commands that wait in the inbox while the device is replaced are not sent to the new device."""
     with (
         Board(spec, plant=Still(), endpoint="tcp") as other,

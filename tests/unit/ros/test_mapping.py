@@ -170,7 +170,7 @@ def test_standard_messages_alone() -> None:
         ),
     ],
 )
-def test_what_cannot_be_is_said_with_place_and_remedy(text: str, says: str) -> None:
+def test_impossible_mappings_are_reported_with_place_and_remedy(text: str, says: str) -> None:
     with pytest.raises(BindingError, match=re.escape(says)) as caught:
         interface_of(text)
     assert "robot.ul" in str(caught.value)
@@ -215,7 +215,7 @@ def test_no_message_is_what_ros_has(name: str) -> None:
     assert packed.name == f"{name[0].upper()}{name[1:]}Bits"
 
 
-def test_what_does_not_print_is_no_name_of_ros() -> None:
+def test_unprintable_characters_are_not_in_names_of_ros() -> None:
     text = 'public p() { @ros(frame="base\\nlink") @a = 0x0: READ(PUBLISH(1,1)); }'
     spec = compile_text(text, "p.ul").spec
     assert spec is not None

@@ -83,7 +83,7 @@ def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> 
         assert health.level == 1 and health.facts["commands refused"] == str(node.refused)
 
 
-def test_stamps_are_of_the_device_and_not_of_the_arrival(spec: Spec, board: Board) -> None:
+def test_stamps_have_the_device_s_time_and_not_that_of_arrival(spec: Spec, board: Board) -> None:
     """Publishes that were held up come together. Their stamps stay a period apart."""
     with Cable(board) as cable, running(spec, f"{cable.url}?timeout=2", deadman_s=0.0) as (_, plane):
         plane.wait(lambda: len(plane.sent.get("joint_states", [])) > 2)

@@ -68,7 +68,7 @@ def test_publishes_reach_the_link(endpoint: str) -> None:
         assert subscription.lost == 0
 
 
-def test_tcp_second_opener_hears_busy_and_the_next_is_let_in() -> None:
+def test_tcp_second_client_gets_busy_and_the_next_one_is_accepted() -> None:
     with Board(endpoint="tcp") as board:
         first = dial(board)
         first.sendall(b"$RLC*9B\n")
@@ -84,7 +84,7 @@ def test_tcp_second_opener_hears_busy_and_the_next_is_let_in() -> None:
             assert line(third) == b"#S_R:00000000\n"
 
 
-def test_tcp_client_that_sends_no_more_still_gets_its_answers() -> None:
+def test_tcp_client_that_has_stopped_sending_still_gets_its_answers() -> None:
     """As with `printf '#R:12\\n' | nc -N`, also on a slow line."""
     for configuration in (BoardConfiguration(), BoardConfiguration(baud_hz=3_000_000)):
         with Board(configuration=configuration, endpoint="tcp") as board:
@@ -98,7 +98,7 @@ def test_tcp_client_that_sends_no_more_still_gets_its_answers() -> None:
             client.close()
 
 
-def test_callers_in_a_loop_do_not_keep_the_board_from_its_work() -> None:
+def test_clients_that_call_in_a_loop_do_not_stop_the_board() -> None:
     with Board(endpoint="tcp") as board, Link(f"{board.url}?timeout=10") as link:
         done = threading.Event()
 
@@ -119,7 +119,7 @@ def test_callers_in_a_loop_do_not_keep_the_board_from_its_work() -> None:
         assert link.statistics().timeouts == 0
 
 
-def test_udp_second_opener_hears_busy_until_the_first_says_goodbye() -> None:
+def test_udp_second_client_gets_busy_until_the_first_one_closes() -> None:
     with Board(endpoint="udp") as board:
         first, second = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
         with first, second:
@@ -189,7 +189,7 @@ def dangling(path: Path, _: ExitStack) -> None:
 
 
 @pytest.mark.parametrize("leave", [dangling, gone, of_another])
-def test_the_link_of_a_board_that_was_killed_is_taken_over(
+def test_the_symbolic_link_of_a_killed_board_is_replaced(
     leave: Callable[[Path, ExitStack], None], tmp_path: Path
 ) -> None:
     path = tmp_path / "board.tty"
@@ -199,7 +199,7 @@ def test_the_link_of_a_board_that_was_killed_is_taken_over(
             assert link.read(0) == 0
 
 
-def test_the_link_of_a_board_that_runs_is_not(tmp_path: Path) -> None:
+def test_the_symbolic_link_of_a_running_board_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "board.tty"
     with Board(endpoint=f"pty:{path}") as board, Link(f"{board.url}?timeout=10") as link:
         with pytest.raises(LinkNotFound, match="a link to what is in use; choose another name"):

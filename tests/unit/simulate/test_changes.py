@@ -93,7 +93,7 @@ def test_words_begin_as_the_spec_says(spec: Spec) -> None:
         assert gain.read() == -2.5 and mode.read().name == "stop"
 
 
-def test_the_board_is_what_the_spec_says_of_its_link() -> None:
+def test_the_board_has_the_settings_of_the_spec_s_link() -> None:
     text = "link lab.a (DATA=16, ADDRESS=16, BASE_RATE=500 Hz);\n"
     text += "public a() { @x = 0x10: u32 READ(PUBLISH(50 Hz)); }"
     spec = compile_text(text, "a.ul").spec

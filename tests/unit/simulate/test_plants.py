@@ -196,7 +196,7 @@ def test_plants_that_are_not(name: str, words: str) -> None:
         load_plant(name)
 
 
-def test_sim_url_makes_the_board_and_hands_the_rest_to_the_link() -> None:
+def test_sim_url_makes_the_board_and_passes_other_options_to_the_link() -> None:
     board, url = simulated_board(f"sim:{SCARA}?plant=scara&fifo=1024&data_bits=32&timeout=0.2")
     with board, Link(url) as link:
         assert isinstance(board.plant, ScaraPlant)

@@ -73,7 +73,7 @@ def test_inputs_go_through_registers_but_clock_and_words() -> None:
     assert "    .write_words(write_words)" in model
 
 
-def test_either_edge_is_a_clock_if_it_is_only_waited_for() -> None:
+def test_either_edge_can_be_a_clock_if_it_is_only_waited_for() -> None:
     registers = HEAD.replace("endmodule", "  always @(posedge clock)\n    q <= d;\nendmodule")
     model = model_of(registers, "top")
     assert model.count("always @(posedge clock or negedge clock)") == 3
@@ -88,7 +88,7 @@ def test_a_failed_assertion_tells_its_place() -> None:
         with_named_assertions('$fatal(2, "else");')
 
 
-def test_choices_that_exclude_each_other_are_asked_one_after_the_other() -> None:
+def test_choices_that_exclude_each_other_become_a_chain_of_conditions() -> None:
     plain = with_plain_choices(CHOICES)
     assert "case" not in plain
     assert "    if (n2_o) n4_o <= a;\n    else if (n1_o) n4_o <= b;\n    else n4_o <= 1'b0;\n" in plain
@@ -137,7 +137,7 @@ def test_urls_that_will_not_do(url: str, message: str) -> None:
         connect(url)
 
 
-def test_a_board_behind_a_chip_has_its_files_and_refuses_what_is_no_layer(tmp_path: Path) -> None:
+def test_a_board_behind_a_chip_has_its_files_and_refuses_an_unknown_layer(tmp_path: Path) -> None:
     file = tmp_path / "lamp.ul"
     file.write_text("public lamp() { @led = 0x10: WRITE(); }")
     spec = load(file)

@@ -149,7 +149,7 @@ def test_sampling_is_bounded_by_the_isochrony_of_the_gateware() -> None:
 
 
 @pytest.mark.parametrize("clock_hz", [12_000_000, 50_000_000])
-def test_the_bound_is_of_the_protocol_and_the_clock_that_are_there(clock_hz: int) -> None:
+def test_the_bound_follows_the_protocol_and_the_clock(clock_hz: int) -> None:
     link = "link l (ADDRESS=8, BAUD=1000000);\n"
     spec = compile_text(link + "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }", "board.ul").spec
     assert spec is not None
@@ -180,7 +180,7 @@ def test_events_wait_for_each_other_and_requests_have_their_turns() -> None:
 
 
 @pytest.mark.parametrize("baud_hz", [1, 10, 300, 9_600])
-def test_a_line_that_is_far_too_slow_is_told_and_breaks_nothing(baud_hz: int) -> None:
+def test_a_line_that_is_far_too_slow_is_reported_and_breaks_nothing(baud_hz: int) -> None:
     text = f"link l (BAUD={baud_hz});\npublic b() {{\n@a = 0x0: READ(PUBLISH(on e));\n"
     text += "@b = 0x1: READ(PUBLISH(1 Hz));\n@c = 0x2: READ(PUBLISH(100 Hz));\n}"
     result = compile_text(text, "b.ul")

@@ -25,7 +25,7 @@ class Counted:
         return self.pattern.search(text, position)
 
 
-def test_many_lines_behind_one_token_are_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_lines_after_one_token_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The time once grew with the square: a spec of 170,000 lines took 8 s."""
     counted = Counted(lexer._LINE_END)
     monkeypatch.setattr(lexer, "_LINE_END", counted)
@@ -37,7 +37,7 @@ def test_many_lines_behind_one_token_are_looked_for_once(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_a_comment_is_of_what_it_stands_behind_or_before(end: str) -> None:
+def test_a_comment_belongs_to_what_stands_before_or_after_it(end: str) -> None:
     lines = [
         "/// the arm",
         "public a() {",

@@ -76,7 +76,7 @@ def test_room_is_found_beside_tosnet_and_below_the_base() -> None:
         ("public a() { @x = 0x61: READ(); b: gpio() @ 0x60; }", ["UL057", "UL051"]),
     ],
 )
-def test_a_mistake_with_a_component_is_told_where_it_is_used(text: str, codes: list[str]) -> None:
+def test_a_mistake_with_a_component_is_reported_where_it_is_used(text: str, codes: list[str]) -> None:
     diagnostics = compile_text(text, "robot.ul").diagnostics
     assert [d.code for d in diagnostics] == codes  # once, and not for each of its words
     places = [place for d in diagnostics for place in (d.span, *(label.span for label in d.labels))]
@@ -84,7 +84,7 @@ def test_a_mistake_with_a_component_is_told_where_it_is_used(text: str, codes: l
     assert text[diagnostics[-1].span.start :].startswith(("gpio", "pwm"))
 
 
-def test_a_constructor_of_ones_own_comes_before_the_library() -> None:
+def test_a_constructor_of_the_spec_comes_before_the_library() -> None:
     spec = clean("public a() { p: pwm() @ (0x1); } pwm(): @ (v) { @v: READ(); }")
     assert spec.root().instances[0].component is None
 

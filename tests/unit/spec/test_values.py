@@ -168,7 +168,7 @@ def test_access_says_what_may_be_done() -> None:
     ]
 
 
-def test_a_strobe_may_share_its_word_with_what_is_read_there() -> None:
+def test_a_strobe_may_share_its_word_with_a_read() -> None:
     clean("public a() { @status = 0x1: READ(); @go = 0x1: PULSE(); }")
     assert codes("public a() { @status = 0x1: READ(); @go = 0x1: WRITE(); }") == ["UL052"]
     assert codes("public a() { @a = 0x1: READWRITE(); @go = 0x1: PULSE(); }") == ["UL051"]

@@ -60,7 +60,7 @@ def unsaid(path: Path) -> list[str]:
     return found
 
 
-def test_code_is_made_of_what_the_source_says() -> None:
+def test_code_consists_of_constants_of_the_source() -> None:
     """`Cpp("..")` and the pattern of `Cpp.of("..", x)` are constants.
 
     Everything else goes through a check.
@@ -69,7 +69,7 @@ def test_code_is_made_of_what_the_source_says() -> None:
     assert [place for path in GENERATORS for place in unsaid(path)] == [], "code of a text that is not said"
 
 
-def test_templates_are_of_a_language_and_say_their_code() -> None:
+def test_each_template_has_a_language_and_marks_its_code() -> None:
     assert len(TEMPLATES) > 20
     for path in TEMPLATES:
         text = path.read_text("utf-8")
@@ -96,7 +96,7 @@ def test_a_template_refuses_what_is_not_quoted(text: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("value", [True, None, float("nan"), float("inf"), b"x", ["x"], "x y", Vhdl("x")])
-def test_what_is_neither_code_nor_name_nor_number_is_no_part(value: object) -> None:
+def test_only_code_names_and_numbers_can_be_parts(value: object) -> None:
     with pytest.raises(UnquotedText):
         Cpp.of("{}", value)  # type: ignore[arg-type]
     with pytest.raises(UnquotedText):
@@ -109,7 +109,7 @@ def test_parts_are_names_numbers_paths_and_code() -> None:
     assert type(Cpp("a").ljust(3)) is Cpp and Cpp("a").ljust(3) == "a  "
 
 
-def test_what_formatting_makes_of_code_is_none() -> None:
+def test_the_result_of_formatting_code_is_not_code() -> None:
     """An f-string checks nothing, so its result is not accepted as code."""
     with pytest.raises(UnquotedText):
         Cpp.of("{}", f"{Cpp('x = 1;')}")

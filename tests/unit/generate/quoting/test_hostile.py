@@ -87,7 +87,7 @@ def hidden_in_utf_7(text: str) -> str:
     return f"+{base64.b64encode(text.encode('utf-16-be')).decode().rstrip('=')}-"
 
 
-def test_an_encoding_in_the_name_of_the_file_is_none() -> None:
+def test_an_encoding_in_the_name_of_the_file_has_no_effect() -> None:
     """Python takes its encoding from a comment in the first two lines, and one names the spec's file."""
     ends, then, by, rest = (hidden_in_utf_7(text) for text in ('"};', ";", "=", ";a={#"))
     acts = f"{ends}import builtins{then}builtins.{CANARY}{by}1{rest}"
@@ -119,7 +119,7 @@ def test_ghdl_reads_what_was_made(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("place", [*NAMES, *SHOWN])
-def test_what_is_no_name_is_refused(place: str) -> None:
+def test_a_text_that_is_not_a_name_is_refused(place: str) -> None:
     """The message has the place and a remedy. No part of it has a newline."""
     texts = {place: "a\nb.ul"}
     result = compile_text(spec_text(texts), texts.get("file", "arm.ul"))
