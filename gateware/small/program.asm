@@ -104,11 +104,11 @@
 .let trips = frames + 4 * (CONTROL_DEADMAN_TRIPS - CONTROL_FRAMES)
 
 ; Sizes. A payload has 6 bytes less than its frame: kind, code, check, 00.
-.let request_max = 32
-.let reply_max = 76
-.let credit = 96
-.let cache_bytes = 8
-.let window_max = 8
+.let request_max = SMALL_ENGINE_REQUEST_MAX
+.let reply_max = SMALL_ENGINE_REPLY_MAX
+.let credit = SMALL_ENGINE_CREDIT
+.let cache_bytes = SMALL_ENGINE_CACHE_BYTES
+.let window_max = SMALL_ENGINE_WINDOW_MAX
 .let around = 6
 .let longest = request_max + 7           ; bytes between borders, as docs/protocol.md counts them
 .let data = reply + 6                    ; of the reply, behind kind, code, id and posts

@@ -105,6 +105,8 @@ class Settings:
     """a datalink error empties the receive buffer, as in the UART of 2012"""
     physical: str = "uart"
     """physical layer of the design"""
+    engine: str = "fast"
+    """engine of the framed protocol; the sizes of the small one are fixed"""
     send_immediate: str = "both"
     """messages after which an FTDI chip sends at once"""
     node: int = 1
@@ -247,6 +249,10 @@ SETTINGS: Final = MappingProxyType(
             "physical", "choice", "uart", "", ("top",), ("spec", "url", "python"),
             "physical layer of the design",
             choices=("uart", "ft245_async", "ft245_sync", "spi", "rs485"), option="physical"),
+        "engine": Setting(
+            "engine", "choice", "fast", "", ("top",), ("spec", "url", "python"),
+            "engine of the framed protocol; the sizes of the small one are fixed",
+            choices=("fast", "small"), option="engine"),
         "send_immediate": Setting(
             "send_immediate", "choice", "both", "", ("top",), ("spec", "url", "python"),
             "messages after which an FTDI chip sends at once",

@@ -18,6 +18,7 @@ from end_to_end.every_command import converse
 
 from tests.reference.rs485 import ModelNode, Pair, PairNode, WireNode
 from unitylink import connect
+from unitylink.errors import DeviceMismatch, UnityLinkError
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
 from unitylink.simulate import Board
@@ -149,7 +150,8 @@ def test_the_vhdl_and_two_models_on_one_pair(tmp_path: Path) -> None:
     """Nodes 1 and 3 are twins behind the reference. Node 2 is the VHDL: physical layer, core and words."""
     file = tmp_path / "elbow.ul"
     file.write_text(
-        "link elbow (PHYSICAL=rs485, NODE=2); public elbow() { @set = 0x12: WRITE(); @is = 0x13: READ(); }"
+        "link elbow (PHYSICAL=rs485, NODE=2, ENGINE=fast); "
+        "public elbow() { @set = 0x12: WRITE(); @is = 0x13: READ(); }"
     )
     spec = load(file)
     with ExitStack() as stack:
@@ -174,6 +176,34 @@ def test_the_vhdl_and_two_models_on_one_pair(tmp_path: Path) -> None:
             assert subscription.drain()[1][0].tolist()[0] == 42
         assert (pair.collisions, vhdl.error) == (0, None)
         assert links[2].statistics().checksum_errors == 0
+
+
+def test_the_twin_tells_what_the_small_engine_tells(tmp_path: Path) -> None:
+    """A host that works with `sim:` works with the bitstream: sizes and replies are the same."""
+    file = tmp_path / "lamp.ul"
+    file.write_text(
+        "link lamp (ENGINE=small); public lamp() "
+        "{ @led = 0x0: u8 WRITE(INITIAL=5, SAFE=1); @buttons = 0x1: READ(); @uptime = 0x2: READ(); }"
+    )
+    told = {}
+    for kind in ("sim", "rtl"):
+        with connect(f"{kind}:{file}?clock_hz=1000000&plant=loopback") as link:
+            answers = [link.read(0)]
+            link.write(0, 7)
+            link.post_many([0] * 20, range(20))
+            link.sync()
+            answers += [link.read(0), *link.read_many([0, 0, 0]).tolist()]
+            with pytest.raises(DeviceMismatch, match="reads at most 1 words at once"):
+                link.read_many([1, 2], atomic=True)
+            with pytest.raises(UnityLinkError):
+                link.subscribe([1], divisor=10)
+            link.dead_man = 0.5
+            told[kind] = (link.description, link.configuration, answers, link.statistics().sessions)
+            assert link.board.configuration.engine == "small"
+    assert told["sim"] == told["rtl"]
+    description = told["rtl"][0]
+    assert (description.request_max, description.window, description.features) == (32, 8, 16)
+    assert told["rtl"][2] == [5, 19, 19, 19, 19]
 
 
 def address_of(url: str) -> tuple[str, int]:

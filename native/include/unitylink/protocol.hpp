@@ -135,6 +135,15 @@ inline constexpr std::uint32_t payload_max = 250;
 inline constexpr std::uint32_t frame_bytes = 6;
 }  // namespace framed_latency
 
+namespace small_engine {
+inline constexpr std::uint32_t request_max = 32;
+inline constexpr std::uint32_t reply_max = 76;
+inline constexpr std::uint32_t credit = 96;
+inline constexpr std::uint32_t cache_bytes = 8;
+inline constexpr std::uint32_t window_max = 8;
+inline constexpr std::uint32_t byte_clocks_min = 43;
+}  // namespace small_engine
+
 namespace tosnet {
 inline constexpr std::uint32_t address_bits = 11;
 inline constexpr std::uint32_t memory_words = 1024;

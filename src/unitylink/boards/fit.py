@@ -40,7 +40,20 @@ def _framed(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
 REMEDIES = (
     Remedy("--protocol classic", "text alone, without frames", 1300, 14, lambda c: c.protocol == "both"),
     Remedy("--protocol framed", "frames alone, without text", 550, 7, lambda c: c.protocol == "both"),
-    Remedy("--set groups=2", "2 publish groups instead of 4", 110, 0, _above("groups", 2)),
+    Remedy(
+        "--set engine=small",
+        "the small engine: frames alone, without publishing and lists",
+        790,
+        9,
+        lambda c: c.protocol != "classic" and c.engine == "fast",
+    ),
+    Remedy(
+        "--set groups=2",
+        "2 publish groups instead of 4",
+        110,
+        0,
+        lambda c: c.publish_mode > 0 and c.groups > 2,
+    ),
     Remedy("--set publish_mode=0", "no publishing", 260, 4, _above("publish_mode", 0)),
     Remedy("--set lists=false", "no lists and post lists", 150, 0, _framed("lists", 0)),
     Remedy("--set exchanges=0", "no exchange groups", 70, 0, _framed("exchanges", 0)),

@@ -65,7 +65,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     make_folder(folder)
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
-    configuration = board.configuration(spec, order.protocol, order.settings)
+    line = {"clock_hz": clock_hz, **({"baud_hz": baud_hz} if baud_hz else {})}
+    configuration = board.configuration(spec, order.protocol, {**line, **order.settings})
     plan = SpecPlan(spec, configuration)
     write_files(planned_files(plan, ["vhdl"]), folder)
     budgets = budgets_of(spec, configuration, clock_hz, baud_hz)

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from unitylink.errors import BoardError
-from unitylink.interface.board_configuration import BoardConfiguration, told_physical
+from unitylink.interface.board_configuration import BoardConfiguration, told_engine, told_physical
+from unitylink.interface.engine import too_fast
 from unitylink.resources import resource_folder
 from unitylink.settings import SETTINGS
 from unitylink.spec.model import SEND_IMMEDIATE, Spec
@@ -92,25 +93,25 @@ class Board:
     ) -> BoardConfiguration:
         """Return the gateware that `spec` needs, on this board's link, changed by `settings`.
 
-        Raises BoardError if the spec names another kind of link.
+        If the small engine is asked for, the link speaks frames alone. Raises BoardError if the spec names
+        another kind of link, or if the line is too fast for that engine.
         """
+        given = settings or {}
         told = told_physical(spec)
         if told is not None and told != self.physical:
             raise BoardError(
                 f"{self.name}: its link is {self.physical}, and the spec says PHYSICAL={told}: take another "
                 "board, or remove PHYSICAL from the spec's link"
             )
-        speaks = protocol or self.protocol
-        if self.physical == "uart":
-            return BoardConfiguration.for_spec(spec, protocol=speaks, **(settings or {}))
-        return BoardConfiguration.for_spec(
-            spec,
-            protocol=speaks,
-            physical=self.physical,
-            send_immediate=next((device.link.send_immediate for device in spec.devices), None)
-            or self.send_immediate,
-            **(settings or {}),
-        )
+        small = given.get("engine", told_engine(spec)) == "small"
+        link: dict[str, Any] = {"protocol": protocol or ("framed" if small else self.protocol)}
+        if self.physical != "uart":
+            told = next((device.link.send_immediate for device in spec.devices), None)
+            link |= {"physical": self.physical, "send_immediate": told or self.send_immediate}
+        made = BoardConfiguration.for_spec(spec, **{**link, **given})
+        if wrong := too_fast(made):
+            raise BoardError(f"{self.name}: {wrong}")
+        return made
 
 
 def board_names() -> list[str]:

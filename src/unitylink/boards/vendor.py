@@ -7,12 +7,15 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_folder, gateware_sources, netlist, ports_of
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.quoting import Tcl
-from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration, told_physical
+from unitylink.interface.engine import too_fast
+from unitylink.spec.model import LINES
 
 from .folder import make_folder
 from .line import check_line, told_baud_hz
@@ -65,12 +68,18 @@ def write_project(order: VendorOrder) -> list[Path]:
         raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
     spec = spec_of(order)
     make_folder(order.folder)
-    configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both", **order.settings)
+    clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
+    check_line(clock_hz, baud_hz)
+    given: dict[str, Any] = {"clock_hz": clock_hz}
+    given |= {"protocol": order.protocol} if order.protocol else {}
+    physical = order.settings.get("physical") or told_physical(spec) or LINES[0]
+    given |= {"baud_hz": baud_hz} if physical in LINES else {}
+    configuration = BoardConfiguration.for_spec(spec, **{**given, **order.settings})
+    if wrong := too_fast(configuration):
+        raise BoardError(f"vendor:{order.vendor}: {wrong}")
     plan = SpecPlan(spec, configuration)
     write_files(planned_files(plan, ["vhdl"]), order.folder)
     logic = logic_of(plan, order)
-    clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
-    check_line(clock_hz, baud_hz)
     generics = {
         name: value
         for name, value in (("baud_hz", baud_hz), ("clock_hz", clock_hz))

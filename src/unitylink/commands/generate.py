@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import click
 
+from unitylink.settings import SETTINGS
+
 from .failure import Failure
 from .root_option import part_of, root_option
 
@@ -33,6 +35,11 @@ from .root_option import part_of, root_option
 @click.option(
     "--protocol", metavar="NAME", help="What the VHDL's core speaks: both (the default), framed, classic."
 )
+@click.option(
+    "--engine",
+    type=click.Choice(SETTINGS["engine"].choices),
+    help="Engine of the framed protocol, if not that of the spec: fast, small.",
+)
 @root_option("Make the VHDL of one board")
 @click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
@@ -45,6 +52,7 @@ def command(
     physical: str | None,
     send_immediate: str | None,
     protocol: str | None,
+    engine: str | None,
     root: str | None,
     check: bool,
 ) -> None:
@@ -75,6 +83,7 @@ def command(
                 f"--only {name}: there is no such artefact; there are: {', '.join(ARTEFACTS)}"
             )
     gateware = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
+    gateware |= {"--engine": engine}
     given = {**gateware, "--root": root}
     if any(given.values()) and not any(ARTEFACTS[name].gateware for name in artefacts):
         raise click.UsageError(

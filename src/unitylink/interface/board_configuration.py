@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from unitylink.errors import ValueRangeError
+from unitylink.interface.engine import SMALL, beyond_small, lacks, small_will_do
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import (
@@ -119,6 +120,8 @@ class BoardConfiguration(Settings):
                     "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
                 )
             object.__setattr__(self, "protocol", "framed")
+        if self.engine == "small" and (wrong := beyond_small(self)):
+            raise ValueRangeError(f"board configuration: {wrong}")
         if self.baud_hz and self.physical not in LINES:
             raise ValueRangeError(
                 f"board configuration: {self.physical} has no baud rate; leave out baud_hz={self.baud_hz}"
@@ -151,7 +154,8 @@ class BoardConfiguration(Settings):
         the spec apply. It has two publish groups more than the spec needs and at least 4, as large as needed
         and at least 32 words each. A classic read-many can read everything in the largest device that may be
         read again, and at least 16 words. An exchange group holds the cycle of the largest device, as far as
-        a frame can define it, and at least 30 words. Raises ValueRangeError.
+        a frame can define it, and at least 30 words. It has the small engine where that
+        will do (interface/engine.py), with all of its sizes. Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -187,7 +191,15 @@ class BoardConfiguration(Settings):
                 )
             ),
         }
-        board = cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
+        chosen = {**chosen, **_link_of(spec), **_publishing_of(spec), **overrides}
+        board = cls(**{**chosen, "engine": "fast"})
+        if "engine" not in chosen and small_will_do(spec, board, overrides):
+            chosen["engine"] = "small"
+        if chosen.get("engine") == "small":
+            for lack in lacks(spec, overrides):
+                remedy = f"{lack.remedy}, or choose engine 'fast'"
+                raise ValueRangeError(f"board configuration: {lack.what}: {remedy}")
+            board = cls(**{**chosen, **SMALL, **overrides, "engine": "small"})
         found: dict[str, Any] = {
             "groups": _groups_of(spec, board),
             "read_many": _read_many_of(spec),
@@ -266,8 +278,14 @@ def check_one_board(spec: Spec) -> None:
 
 
 def _told(link: Link) -> tuple[tuple[str, Any], ...]:
-    keys = ("data_bits", "address_bits", "base_hz", "physical", "send_immediate", "node")
+    keys = ("data_bits", "address_bits", "base_hz", "physical", "send_immediate", "node", "engine")
     return tuple((key, getattr(link, key)) for key in keys)
+
+
+def told_engine(spec: Spec) -> str | None:
+    """Return the engine that the spec's links ask for, None if they name none or several."""
+    told = {device.link.engine for device in spec.devices}
+    return told.pop() if len(told) == 1 else None
 
 
 def told_physical(spec: Spec) -> str | None:

@@ -56,13 +56,13 @@ def simulated_board(url: str) -> tuple[Board, str]:
             f"{url!r}: {physical} sends only when a master asks, and an rtl: link is not a master; write "
             f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
         )
-    if physical == "rs485":  # an RS-485 pair carries no classic text
-        options.setdefault("protocol", "framed")
     options.setdefault("timeout", _TIMEOUT_S)
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
     board = _KINDS[kind](spec, plant, settings, endpoint)
+    if board.configuration.protocol == "framed":  # asking for text would only take time
+        options.setdefault("protocol", "framed")
     try:
         link_url = f"{board.url}?{urlencode(options, safe=',/', quote_via=quote)}"
     except UnityLinkError:

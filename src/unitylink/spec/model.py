@@ -234,14 +234,15 @@ Member = Union[Instance, Element, Group]
 PHYSICAL_LAYERS = SETTINGS["physical"].choices  # gateware/physical
 LINES = ("uart", "rs485")  # the layers that have a baud rate
 SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # for an FT245, as in physical_pkg
+ENGINES = SETTINGS["engine"].choices  # of the framed protocol, as in engine_pkg
 
 
 @dataclass(frozen=True)
 class Link:
     """A declared link: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000, PHYSICAL=uart);`.
 
-    `physical` is one of PHYSICAL_LAYERS. `send_immediate` is for the FT245 layers, `node` for rs485. `stated`
-    names the properties that the spec gives. The others are defaults, or None.
+    `physical` is one of PHYSICAL_LAYERS, `engine` one of ENGINES. `send_immediate` is for the FT245 layers,
+    `node` for rs485. `stated` names the properties that the spec gives. The others are defaults, or None.
     """
 
     name: str
@@ -254,6 +255,7 @@ class Link:
     physical: str | None = None  # None means: whatever the board has, or a UART
     send_immediate: str | None = None
     node: int | None = None
+    engine: str | None = None  # None means: the small one where it will do
 
 
 @dataclass(frozen=True)

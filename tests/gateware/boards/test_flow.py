@@ -21,7 +21,7 @@ from unitylink.resources import resource_folder
 
 pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the netlists
 
-SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
+SPEC = "link lamp (ENGINE=fast); public lamp() { @led = 0x10: bool WRITE(); }"
 FULL = """echo 'Info: Device utilisation:'
 echo 'Info:            ICESTORM_LC:  7889/ 5280   149%'
 echo 'Info:           ICESTORM_RAM:    22/   30    73%'
@@ -62,6 +62,7 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
             FULL,
             BoardError,
             r"does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280\.\nWhat would help.*"
+            r"\n  --set engine=small: .*"
             r"\n  --set groups=2: 2 publish groups instead of 4, about 110 cells less\n",
         ),
         (

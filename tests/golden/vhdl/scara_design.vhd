@@ -69,6 +69,7 @@ begin
   core : entity work.core
     generic map (
       settings    => work.settings_pkg.at_clock(scara_config_pkg.settings, clock_hz),
+      engine      => work.engine_pkg.engine_fast,
       safe_values => scara_config_pkg.safe_values)
     port map (
       clock => clock, reset => reset,

@@ -11,6 +11,7 @@ from unitylink.boards.fit import REMEDIES, remedies, settings_of
 from unitylink.errors import BoardError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.resources import resource_folder
+from unitylink.spec import compile_text
 
 
 def test_what_is_so_already_is_no_remedy() -> None:
@@ -18,9 +19,14 @@ def test_what_is_so_already_is_no_remedy() -> None:
     assert [text.partition(":")[0] for text in both][:3] == [
         "--protocol classic",
         "--protocol framed",
-        "--set groups=2",
+        "--set engine=small",
     ]
-    small = "".join(remedies(BoardConfiguration(protocol="framed", groups=2, publish_mode=0)))
+    small = "".join(remedies(BoardConfiguration(protocol="framed", publish_mode=0)))
+    assert "engine=small" in small
+    lamp = compile_text("public lamp() { @led = 0x10: WRITE(); }").spec
+    assert lamp is not None
+    smallest = "".join(remedies(BoardConfiguration.for_spec(lamp, engine="small")))
+    assert "--" not in smallest, "it is as small as settings make it"
     assert "--protocol" not in small and "--set groups" not in small and "publish_mode" not in small
     assert "fewer words" in small
 
@@ -40,6 +46,7 @@ def test_figures_are_those_of_the_record() -> None:
         expected = {
             "--protocol classic": rows["framed_minimal"][kind],
             "--protocol framed": rows["no_publishing"][kind],
+            "--set engine=small": less("framed_minimal", "small_minimal", kind),
             "--set publish_mode=0": publishing(kind),
         }
         for option, figure in expected.items():

@@ -15,7 +15,7 @@ from unitylink.boards.flash import PACKAGES
 from unitylink.boards.flow import link_url
 from unitylink.boards.manifest import ROLES
 from unitylink.boards.pins import TRIPPED
-from unitylink.errors import BoardError
+from unitylink.errors import BoardError, ValueRangeError
 from unitylink.resources import resource_folder
 from unitylink.spec import load
 
@@ -104,6 +104,27 @@ def test_a_spec_whose_link_stands_on_something_else(tmp_path: Path) -> None:
     spec.write_text(text.format("spi"))
     with pytest.raises(BoardError, match="icebreaker: its link is uart, and the spec says PHYSICAL=spi"):
         load_board("icebreaker").configuration(load(spec))
+
+
+def test_the_engine_follows_from_the_board_and_the_spec(tmp_path: Path) -> None:
+    spec = tmp_path / "lamp.ul"
+    text = "link lamp ({}); public lamp() {{ @led = 0x10: WRITE(); @buttons = 0x11: READ({}); }}"
+
+    def engine(board: str, link: str = "DATA=32", publish: str = "", **settings: int) -> tuple[str, str]:
+        spec.write_text(text.format(link, publish))
+        made = load_board(board).configuration(load(spec), None, settings)
+        return made.engine, made.protocol
+
+    assert engine("icebreaker") == engine("ice40-hx8k") == ("small", "framed")
+    assert engine("icebreaker", "ENGINE=fast") == ("fast", "framed")
+    assert engine("icebreaker", publish="PUBLISH(10 Hz)") == ("fast", "framed")
+    assert engine("ecp5-evn") == ("fast", "both"), "text needs the fast engine"
+    assert engine("ecp5-evn", "ENGINE=small") == ("small", "framed")
+    assert engine("icebreaker", clock_hz=12_000_000, baud_hz=3_000_000) == ("fast", "framed")
+    with pytest.raises(BoardError, match=r"icebreaker: a byte takes 40 clocks on the line, .* needs 43"):
+        engine("icebreaker", "ENGINE=small", clock_hz=12_000_000, baud_hz=3_000_000)
+    with pytest.raises(ValueRangeError, match="protocol is 'both'; the small engine has 'framed'"):
+        load_board("ecp5-evn").configuration(load(spec), "both")
 
 
 def test_a_board_whose_link_is_spi(tmp_path: Path) -> None:

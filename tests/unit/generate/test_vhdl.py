@@ -311,6 +311,24 @@ def test_the_spec_tells_the_physical_layer(tmp_path: Path) -> None:
     assert "entity work.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
 
 
+def test_the_engine_of_the_design(tmp_path: Path) -> None:
+    file = tmp_path / "lamp.ul"
+    file.write_text("link lamp (ENGINE=small, BAUD=1 MHz); public lamp() { @x = 0x1: READ(); }")
+    made = [str(file), "--out", str(tmp_path), "--only", "vhdl"]
+    assert CliRunner().invoke(command, made).exit_code == 0
+
+    def text(part: str) -> str:
+        return (tmp_path / "vhdl" / f"lamp_{part}.vhd").read_text(encoding="utf-8")
+
+    assert "engine      => work.engine_pkg.engine_small," in text("design")
+    assert "=> protocol_framed," in text("config_pkg")
+    assert "assert clock_hz / 43 >= baud_hz / 10\n" in text("top")
+    assert CliRunner().invoke(command, [*made, "--physical", "ft245_async"]).exit_code == 0
+    assert "small engine" not in text("top"), "the design takes each byte when it can"
+    assert CliRunner().invoke(command, [*made, "--engine", "fast"]).exit_code == 0
+    assert "engine_fast" in text("design") and "=> protocol_both," in text("config_pkg")
+
+
 def test_a_physical_layer_is_of_vhdl_only(tmp_path: Path) -> None:
     arguments = [str(SPECS[1]), "--out", str(tmp_path), "--physical"]
     found = CliRunner().invoke(command, [*arguments, "ft245_async"])

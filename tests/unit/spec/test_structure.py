@@ -283,45 +283,6 @@ def test_links() -> None:
     assert spec.devices[0].groups[0].rate_hz == 2000
 
 
-def test_what_a_link_stands_on() -> None:
-    spec = clean("""
-    link elbow (PHYSICAL=rs485, NODE=2, BAUD=3 MHz);
-    public a() { @x = 0x1: READ(); }
-    """)
-    (link,) = spec.links
-    assert (link.physical, link.node, link.send_immediate, link.stated) == (
-        "rs485",
-        2,
-        None,
-        ("PHYSICAL", "NODE", "BAUD"),
-    )
-    other = clean("link elbow (PHYSICAL=rs485, NODE=3, BAUD=3 MHz); public a() { @x = 0x1: READ(); }")
-    assert other.hash != spec.hash
-    chip = clean("link a (PHYSICAL=ft245_sync, SEND_IMMEDIATE=publishes); public a() { @x = 0x1: READ(); }")
-    assert (chip.links[0].physical, chip.links[0].send_immediate) == ("ft245_sync", "publishes")
-    silent = clean("link a (BAUD=9600); public a() { @x = 0x1: READ(); }")
-    assert silent.links[0].physical is None
-
-
-@pytest.mark.parametrize(
-    ("properties", "code", "message"),
-    [
-        ("PHYSICAL=usb", "UL093", "PHYSICAL=usb has no meaning"),
-        ("PHYSICAL=spl", "UL093", "PHYSICAL=spl has no meaning"),
-        ("PHYSICAL=ft245_sync, SEND_IMMEDIATE=always", "UL093", "SEND_IMMEDIATE=always has no meaning"),
-        ("PHYSICAL=spi, BAUD=9600", "UL092", "BAUD belongs to a line, but link `a` is not one"),
-        ("SEND_IMMEDIATE=never", "UL092", "SEND_IMMEDIATE belongs to an FT245, but link `a` is not one"),
-        ("NODE=1, BAUD=9600", "UL092", "NODE belongs to an RS-485 pair, but link `a` is not one"),
-        ("PHYSICAL=rs485", "UL092", "which node on the pair is link `a`?"),
-        ("PHYSICAL=rs485, NODE=64", "UL049", ""),
-    ],
-)
-def test_what_a_link_cannot_stand_on(properties: str, code: str, message: str) -> None:
-    result = compile_text(f"link a ({properties}); public a() {{ @x = 0x1: READ(); }}", "<text>")
-    ((found, said),) = [(d.code, d.message) for d in result.diagnostics]
-    assert found == code and message in said
-
-
 def test_link_kinds() -> None:
     spec = clean("""
     const PLACE = 0x300;

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from unitylink.spec.meaning.type_names import BUILT_IN_TYPES
-from unitylink.spec.model import PHYSICAL_LAYERS, SEND_IMMEDIATE
+from unitylink.spec.model import ENGINES, PHYSICAL_LAYERS, SEND_IMMEDIATE
 from unitylink.spec.text.cursor import ACCESS_WORDS, LINK_KINDS
 from unitylink.spec.text.properties import (
     ELEMENT_PROPERTIES,
@@ -15,7 +15,12 @@ from unitylink.spec.text.properties import (
 
 TOP = ("public", "link", "import", "const", "enum", "open enum", "bits")
 # property -> the words that are its possible values
-CHOICES = {"OVERFLOW": ("error", "saturate"), "PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE}
+CHOICES = {
+    "OVERFLOW": ("error", "saturate"),
+    "PHYSICAL": PHYSICAL_LAYERS,
+    "SEND_IMMEDIATE": SEND_IMMEDIATE,
+    "ENGINE": ENGINES,
+}
 
 __all__ = [
     "ACCESS_WORDS",

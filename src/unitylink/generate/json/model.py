@@ -188,6 +188,7 @@ def _link(link: Link) -> dict[str, Any]:
         "physical": link.physical,
         "send_immediate": link.send_immediate,
         "node": link.node,
+        "engine": link.engine,
         "documentation": link.documentation,
     }
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration
+from unitylink.protocol import SMALL_ENGINE_BYTE_CLOCKS_MIN
 
 from ..quoting import Part, Vhdl
 from .functions import Function
@@ -158,6 +159,12 @@ class Plan:
     written: Tree
     was_read: Tree
     functions: tuple[Function, ...]
+
+    @property
+    def byte_clocks_min(self) -> int:
+        """The least clocks that a byte may take on the line. 0: there is no line, or any will do."""
+        line = any(item.name == "baud_hz" for item in self.layer.generics)
+        return SMALL_ENGINE_BYTE_CLOCKS_MIN if line and self.configuration.engine == "small" else 0
 
     @cached_property
     def setting_width(self) -> int:

@@ -11,7 +11,7 @@ from typing import Any, Union
 
 from unitylink.errors import BindingError
 from unitylink.interface.board_configuration import BoardConfiguration
-from unitylink.settings import SETTINGS
+from unitylink.interface.engine import sizes_of
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number
 from unitylink.values import Codec, Quantity
@@ -374,12 +374,10 @@ def _check(configuration: BoardConfiguration) -> None:
     for field in _ONLY_ON_THE_TWIN:
         if getattr(configuration, field):
             raise BindingError(f"vhdl: {field} of a board configuration is for virtual boards; leave it out")
-    for setting in SETTINGS.values():
-        value = getattr(configuration, setting.name)
-        if setting.needed_by == ("twin",) and value != setting.default:
-            raise BindingError(
-                f"vhdl: {setting.name} is {value}; gateware has {setting.default}: leave it out"
-            )
+    for name, fixed in sizes_of(configuration.engine).items():
+        value = getattr(configuration, name)
+        if value != fixed:
+            raise BindingError(f"vhdl: {name} is {value}; gateware has {fixed}: leave it out")
     if wrong := configuration.beyond_frames():
         raise BindingError(f"vhdl: {wrong}")
 

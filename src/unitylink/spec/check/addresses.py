@@ -11,6 +11,7 @@ from ..expand.resolve import Placed, Resolver
 from ..model import Element, Instance, Link
 from ..report.diagnostics import Reporter
 from .blocks import check_blocks, check_windows
+from .engine import check_engine
 from .publishes import check_publishes
 
 # (public constructor, its COMM): these share one address space and one set of groups
@@ -36,6 +37,7 @@ def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporte
     check_blocks(resolver.blocks, placed, reporter)
     _check_events(resolver.roots, placed, reporter)
     check_publishes(tuple(resolver.roots), links, reporter)
+    check_engine(tuple(resolver.roots), links, reporter)
 
 
 def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from unitylink.protocol import ADDRESS_BITS_MAX, DATA_BITS_MAX, DATA_BITS_MIN, RS485_NODES_MAX
 
-from ..model import LINES, PHYSICAL_LAYERS, SEND_IMMEDIATE, Link
+from ..model import ENGINES, LINES, PHYSICAL_LAYERS, SEND_IMMEDIATE, Link
 from ..text.syntax import Expression, LinkNode, Property
 from ..units import UNITS
 from .evaluate import Evaluator
@@ -18,7 +18,7 @@ _NUMBERS = {
     "ADDRESS": ("ADDRESS (in bits)", 1, ADDRESS_BITS_MAX),
     "NODE": ("NODE (on the pair)", 1, RS485_NODES_MAX),
 }
-_WORDS = {"PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE}
+_WORDS = {"PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE, "ENGINE": ENGINES}
 # property -> (the physical layers that have it, what these have in common)
 _BELONGS = {
     "BAUD": (LINES, "a line"),
@@ -53,6 +53,7 @@ class LinkReader:
             words.get("PHYSICAL"),
             words.get("SEND_IMMEDIATE"),
             given.get("NODE"),
+            words.get("ENGINE"),
         )
 
     def _number(self, one: Property) -> int | None:

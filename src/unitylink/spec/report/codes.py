@@ -105,6 +105,7 @@ _HARDWARE = {
         UL102="unknown event of a component",
         UL103="snapshot group with two rates",
         UL104="publishes that the line cannot carry",
+        UL105="what the small engine lacks",
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",

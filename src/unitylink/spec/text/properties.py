@@ -16,7 +16,7 @@ LINK_KIND_PROPERTIES = {
 }
 FIELD_PROPERTIES = ("UNIT", "SCALE", "OFFSET", "MIN", "MAX")
 ELEMENT_PROPERTIES = ("ID", "CRC", "PUBLISH", *FIELD_PROPERTIES, "OVERFLOW", "INITIAL", "SAFE")
-LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD", "PHYSICAL", "SEND_IMMEDIATE", "NODE")
+LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD", "PHYSICAL", "SEND_IMMEDIATE", "NODE", "ENGINE")
 
 _FORMS = "`PUBLISH(100 Hz)`; `PUBLISH(1, 10)`, a tenth of the base frequency; or `PUBLISH(on change)`"
 _EXPECTED = {"ID": "a string or a parameter", "UNIT": 'a unit such as "rad"'}
@@ -27,6 +27,7 @@ _NAMED = {
     "OVERFLOW": "error or saturate",
     "PHYSICAL": "a physical layer such as uart",
     "SEND_IMMEDIATE": "never, publishes, replies or both",
+    "ENGINE": "fast or small",
 }
 
 
