@@ -140,7 +140,7 @@ def test_everything_of_the_language_is_shown(arm: quickjs.Context) -> None:
         "0x0012…13",
     ):
         assert text in page
-    assert "reading changes it" in ask(arm, "opened('lost').textContent")
+    assert "a read changes it" in ask(arm, "opened('lost').textContent")
     ask(arm, "type(ids.search, 'rad jointstate') ?? 0")
     assert ask(arm, "shownRows()") == []
     ask(arm, "type(ids.search, 'rad shaft') ?? 0")

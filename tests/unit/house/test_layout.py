@@ -11,7 +11,7 @@ import pytest
 from unit.house.files import files, text
 
 COLUMNS = 120  # as in .clang-format and .mdformat.toml; ruff keeps Python at 110
-KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".sh", ".lua", ".md")
+KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".sh", ".lua", ".md", ".js", ".css", ".html")
 NAMES = ("Makefile", "CMakeLists.txt")
 # `unitylink generate` makes these, and a name or a text of a spec may have any length
 MADE = ("tests/golden/",)

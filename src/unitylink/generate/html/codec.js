@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From raw numbers to engineering values and back, as unitylink/values/codec.py does it; raw numbers are BigInt.
+// Converts raw numbers to engineering values and back, as unitylink/values/codec.py does. Raw numbers are BigInt.
 "use strict";
 
 class ValueError extends Error {}
 
-// quantity: an element or field of the model, {type, scale, offset, unit, minimum, maximum, overflow}.
-// types: {enums: {name: enum}, bits: {name: bits}}.
+// `quantity` is an element or field of the model: {type, scale, offset, unit, minimum, maximum, overflow}.
+// `types` is {enums: {name: enum}, bits: {name: bits}}.
 class Codec {
   constructor(quantity, types) {
     this.quantity = quantity;
@@ -26,7 +26,7 @@ class Codec {
   get enum() { return this.types.enums[this.type.name]; }
   get fields() { return this.types.bits[this.type.name].fields; }
 
-  // The value of a raw number: a number (BigInt where whole), a boolean, an enumeration's name, or fields.
+  // Returns the value of a raw number: a number (BigInt if whole), a boolean, an enumeration's name, or fields.
   decode(raw) {
     raw &= this.mask;
     switch (this.type.kind) {
@@ -37,7 +37,8 @@ class Codec {
         if (this.enum.open) return raw;
         throw new ValueError(`${raw} is no ${this.type.name}`);
       }
-      case "bits": return Object.fromEntries(this.fields.map((f) => [f.name, this.field(f).decode(raw >> BigInt(f.low))]));
+      case "bits":
+        return Object.fromEntries(this.fields.map((f) => [f.name, this.field(f).decode(raw >> BigInt(f.low))]));
       case "float": {
         const number = this.float(raw);
         return this.scaled ? number * this.scale + this.offset : number;
@@ -55,7 +56,7 @@ class Codec {
     return Number(number * multiplier + added) / Number(divisor);
   }
 
-  // The raw number of a value as a person types it; ValueError says what is wrong with it.
+  // Returns the raw number of a value that a person has typed. A ValueError says what is wrong with the text.
   encode(text) {
     text = String(text).trim();
     switch (this.type.kind) {
@@ -78,13 +79,16 @@ class Codec {
         if (!this.scaled) return this.whole(text, this.low, this.high) & this.mask;
         const number = (this.number(text) - this.offset) / this.factor;
         if (Number.isNaN(number)) throw new ValueError("a number");
-        if (!Number.isFinite(number)) return this.within(number > 0 ? this.high + 1n : this.low - 1n) & this.mask;
-        return this.within(BigInt(roundHalfEven(number))) & this.mask;
+        const infinite = number > 0 ? this.high + 1n : this.low - 1n;
+        return this.within(Number.isFinite(number) ? BigInt(roundHalfEven(number)) : infinite) & this.mask;
       }
     }
   }
 
-  field(f) { return new Codec({ ...f, overflow: "error", type: { ...f.type, width: f.high - f.low + 1 } }, this.types); }
+  field(f) {
+    const type = { ...f.type, width: f.high - f.low + 1 };
+    return new Codec({ ...f, overflow: "error", type }, this.types);
+  }
 
   rawLimits() {
     const low = this.signed ? -(1n << BigInt(this.width - 1)) : 0n;
@@ -93,7 +97,8 @@ class Codec {
       if (!this.scaled && typeof value !== "number") return BigInt(value);
       return BigInt(roundHalfEven(this.scaled ? (value - this.offset) / this.factor : value));
     };
-    let ends = [this.quantity.minimum ?? null, this.quantity.maximum ?? null].map((v) => (v === null ? null : nearest(v)));
+    const limits = [this.quantity.minimum ?? null, this.quantity.maximum ?? null];
+    let ends = limits.map((v) => (v === null ? null : nearest(v)));
     if (this.factor < 0) ends = ends.reverse();
     return [ends[0] !== null && ends[0] > low ? ends[0] : low, ends[1] !== null && ends[1] < high ? ends[1] : high];
   }
@@ -139,20 +144,22 @@ class Codec {
     const number = (value - this.offset) / this.scale;
     if (this.width === 32) {
       const short = Math.fround(number);
-      if (Number.isFinite(number) && !Number.isFinite(short) && this.quantity.overflow !== "saturate") throw new ValueError(this.range());
-      view.setFloat32(0, Number.isFinite(number) && !Number.isFinite(short) ? Math.sign(number) * largest : short);
+      const beyond = Number.isFinite(number) && !Number.isFinite(short);
+      if (beyond && this.quantity.overflow !== "saturate") throw new ValueError(this.range());
+      view.setFloat32(0, beyond ? Math.sign(number) * largest : short);
       return BigInt(view.getUint32(0));
     }
     view.setFloat64(0, number);
     return view.getBigUint64(0);
   }
 
-  // What may be written, for people.
+  // Returns the range of values that may be written, as text for people.
   range() {
     const unit = this.quantity.unit ? ` ${this.quantity.unit}` : "";
     if (this.type.kind === "float") {
       const [low, high] = [this.quantity.minimum ?? null, this.quantity.maximum ?? null];
-      return low === null && high === null ? "" : `${low === null ? "-∞" : low} to ${high === null ? "∞" : high}${unit}`;
+      if (low === null && high === null) return "";
+      return `${low === null ? "-∞" : low} to ${high === null ? "∞" : high}${unit}`;
     }
     if (!this.numeric) return "";
     const real = (raw) => (this.scaled ? this.real(raw) : raw);
@@ -163,8 +170,8 @@ class Codec {
   }
 }
 
-// [a, b, c] so that a value is (number * a + b) / c, which is 12.54 where 1254 * 0.01 is 12.540000000000001; null where
-// no whole numbers are small enough to be exact.
+// Returns [a, b, c] so that a value is (number * a + b) / c. This gives 12.54, while 1254 * 0.01 is 12.540000000000001.
+// Returns null if there are no whole numbers that are small enough to be exact.
 function ratio(scale, offset, fraction, width) {
   if (!Number.isFinite(scale) || !Number.isFinite(offset)) return null;
   const [a, aUnder] = decimal(scale), [b, bUnder] = decimal(offset);
@@ -173,10 +180,11 @@ function ratio(scale, offset, fraction, width) {
   const divisor = first / gcd(first, second) * second;
   const multiplier = a * divisor / under, added = b * divisor / bUnder;
   const exact = 1n << 53n, size = (number) => (number < 0n ? -number : number);
-  return (1n << BigInt(width)) * size(multiplier) + size(added) < exact && divisor < exact ? [multiplier, added, divisor] : null;
+  const isExact = (1n << BigInt(width)) * size(multiplier) + size(added) < exact && divisor < exact;
+  return isExact ? [multiplier, added, divisor] : null;
 }
 
-// A number as it is written, as a fraction: 0.01 is [1n, 100n].
+// Returns the fraction that a decimal number stands for: [1n, 100n] for 0.01.
 function decimal(number) {
   const [digits, exponent] = String(number).split("e");
   const [whole, behind = ""] = digits.split(".");
@@ -197,9 +205,14 @@ function roundHalfEven(number) {
   return floor % 2 === 0 ? floor : floor + 1;
 }
 
-// A value for people: floats with the digits that count.
+// Returns a value as text for people. Floats have only the digits that matter.
 function show(value) {
-  if (typeof value === "number") return Number.isFinite(value) ? String(Number(value.toPrecision(9))) : String(value).replace("Infinity", "inf").toLowerCase();
-  if (value !== null && typeof value === "object") return Object.entries(value).map(([name, one]) => `${name}=${show(one)}`).join(", ");
+  if (typeof value === "number") {
+    if (Number.isFinite(value)) return String(Number(value.toPrecision(9)));
+    return String(value).replace("Infinity", "inf").toLowerCase();
+  }
+  if (value !== null && typeof value === "object") {
+    return Object.entries(value).map(([name, one]) => `${name}=${show(one)}`).join(", ");
+  }
   return String(value);
 }

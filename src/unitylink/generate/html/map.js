@@ -21,6 +21,7 @@
     return node;
   }
   const soft = (text) => make("span", { class: "soft" }, text);
+  const tableHead = (...texts) => make("thead", {}, make("tr", {}, ...texts.map((text) => make("th", {}, text))));
   const hex = (number, digits = 4) => "0x" + BigInt(number).toString(16).toUpperCase().padStart(digits, "0");
   const count = (number, noun) => `${number.toLocaleString("en")} ${noun}${number === 1 ? "" : "s"}`;
 
@@ -28,8 +29,8 @@
 
   function publishText(publish) {
     if (!publish) return "";
-    const what = publish.trigger === "rate" ? (publish.rate_hz !== undefined ? `${show(publish.rate_hz)} Hz` : `base / ${publish.divisor}`)
-      : publish.trigger === "event" ? `on ${publish.event}` : "on change";
+    const rate = publish.rate_hz !== undefined ? `${show(publish.rate_hz)} Hz` : `base / ${publish.divisor}`;
+    const what = publish.trigger === "rate" ? rate : publish.trigger === "event" ? `on ${publish.event}` : "on change";
     return `${what}${publish.by === "software" ? ", polled" : ""}${publish.group ? `, ${publish.group}` : ""}`;
   }
 
@@ -57,8 +58,9 @@
       make("td", {}, publishText(element.publish)),
       make("td", { class: "note" }, note));
     const one = { element, path, codec, row, section, detail: null };
-    one.text = [path, addressText(element), String(element.address), element.access, element.type.text, element.unit, note,
-      publishText(element.publish), ...(element.annotations ?? []).map(annotationText)].join(" ").toLowerCase();
+    const texts = [path, addressText(element), String(element.address), element.access, element.type.text, element.unit,
+      note, publishText(element.publish), ...(element.annotations ?? []).map(annotationText)];
+    one.text = texts.join(" ").toLowerCase();
     row.addEventListener("click", () => toggle(one));
     row.addEventListener("keydown", (event) => {
       if (event.key === "Enter" || event.key === " ") { event.preventDefault(); toggle(one); }
@@ -83,17 +85,29 @@
     if (element.documentation) cell.append(make("p", {}, element.documentation));
     cell.append(converter(codec, element));
     const facts = [];
-    const value = (name, number) => { if (number !== undefined && number !== null) facts.push([name, `${codec.type.kind === "enum" ? safeDecode(codec, BigInt(number)) : show(number)}${element.unit ? ` ${element.unit}` : ""}`]); };
+    const unit = element.unit ? ` ${element.unit}` : "";
+    const value = (name, number) => {
+      if (number === undefined || number === null) return;
+      facts.push([name, (codec.type.kind === "enum" ? safeDecode(codec, BigInt(number)) : show(number)) + unit]);
+    };
     if (codec.range()) facts.push(["range", codec.range() + (element.overflow === "saturate" ? ", saturates" : "")]);
-    if ((element.scale ?? 1) !== 1 || (element.offset ?? 0) !== 0) facts.push(["value", `raw × ${show(element.scale)}${element.offset ? ` + ${show(element.offset)}` : ""}`]);
+    if ((element.scale ?? 1) !== 1 || (element.offset ?? 0) !== 0) {
+      const offset = element.offset ? ` + ${show(element.offset)}` : "";
+      facts.push(["value", `raw × ${show(element.scale)}${offset}`]);
+    }
     value("initial", element.initial);
     value("safe", element.safe);
     if ((element.words ?? 1) > 1) facts.push(["words", `${element.words}, the low one first`]);
     if (element.checked) facts.push(["checked", "messages carry a checksum"]);
-    const where = { W1C: "write 1 to clear", PULSE: "a write is a strobe; it cannot be read", READCLEAR: "reading changes it: it is read only when asked for by name" }[element.access];
+    const where = {
+      W1C: "write 1 to clear",
+      PULSE: "a write is a strobe; it cannot be read",
+      READCLEAR: "a read changes it, so it is read only by its name",
+    }[element.access];
     if (where) facts.push(["access", where]);
     for (const annotation of element.annotations ?? []) facts.push(["note", annotationText(annotation)]);
-    if (facts.length) cell.append(make("dl", {}, ...facts.flatMap(([name, text]) => [make("dt", {}, name), make("dd", {}, text)])));
+    const entries = facts.flatMap(([name, text]) => [make("dt", {}, name), make("dd", {}, text)]);
+    if (facts.length) cell.append(make("dl", {}, ...entries));
     return make("tr", { class: "detail" }, cell);
   }
 
@@ -101,7 +115,7 @@
     try { return show(codec.decode(raw)); } catch (error) { return error.message; }
   }
 
-  // The boxes: whichever is typed into gives the others; the raw number is the truth.
+  // Makes the boxes. A text typed into one of them changes the others. Only the raw number is stored.
   function converter(codec, element) {
     const rawDigits = Math.ceil(codec.width / 4);
     let raw = start(codec, element);
@@ -116,20 +130,33 @@
       const box = valueInput(inner);
       const low = BigInt(field.low), mask = inner.mask << low;
       const shown = make("td", { class: "mono soft" });
-      listen(box, () => attempt(box, () => { raw = (raw & ~mask) | (inner.encode(box.value) << low); refresh(box); }));
+      listen(box, () => attempt(box, () => {
+        raw = (raw & ~mask) | (inner.encode(box.value) << low);
+        refresh(box);
+      }));
       const update = (except) => {
         const part = (raw & mask) >> low;
         shown.textContent = hex(part, 1);
         if (box !== except) setBox(box, inner, part);
       };
       const place = field.high === field.low ? `${field.low}` : `${field.high}..${field.low}`;
-      const row = make("tr", {}, make("td", { class: "mono soft" }, place), make("td", {}, field.name), make("td", {}, box),
-        make("td", {}, field.unit ?? ""), shown, make("td", { class: "mono soft" }, field.type.text), make("td", { class: "soft" }, field.documentation ?? ""));
+      const row = make("tr", {},
+        make("td", { class: "mono soft" }, place),
+        make("td", {}, field.name),
+        make("td", {}, box),
+        make("td", {}, field.unit ?? ""),
+        shown,
+        make("td", { class: "mono soft" }, field.type.text),
+        make("td", { class: "soft" }, field.documentation ?? ""));
       return { row, update };
     }
 
     function attempt(box, change) {
-      try { change(); box.classList.remove("wrong"); message.textContent = ""; } catch (error) {
+      try {
+        change();
+        box.classList.remove("wrong");
+        message.textContent = "";
+      } catch (error) {
         if (!(error instanceof ValueError)) throw error;
         box.classList.add("wrong");
         message.textContent = `expected ${error.message}`;
@@ -148,25 +175,38 @@
     }
     listen(rawBox, () => attempt(rawBox, () => {
       const text = rawBox.value.trim();
-      if (!/^(0x[0-9a-f]+|0b[01]+|\d+)$/i.test(text) || BigInt(text) > codec.mask) throw new ValueError(`0 to ${hex(codec.mask, 1)}`);
-      raw = BigInt(text);
+      const number = /^(0x[0-9a-f]+|0b[01]+|\d+)$/i.test(text) ? BigInt(text) : -1n;
+      if (number < 0n || number > codec.mask) throw new ValueError(`0 to ${hex(codec.mask, 1)}`);
+      raw = number;
       refresh(rawBox);
     }));
-    if (valueBox) listen(valueBox, () => attempt(valueBox, () => { raw = codec.encode(valueBox.value); refresh(valueBox); }));
+    if (valueBox) {
+      listen(valueBox, () => attempt(valueBox, () => {
+        raw = codec.encode(valueBox.value);
+        refresh(valueBox);
+      }));
+    }
     for (let high = codec.width - 1; high >= 0; ) {
       const top = high, low = high - (high % 4);
       const nibble = make("span", {});
       for (; high >= low; high--) {
         const bit = high;
-        nibble.append(make("button", { class: "bit mono", "data-bit": bit, title: `bit ${bit}${bitName(codec, bit)}`,
-          onclick: () => { raw ^= 1n << BigInt(bit); message.textContent = ""; refresh(null); } }));
+        const flip = () => {
+          raw ^= 1n << BigInt(bit);
+          message.textContent = "";
+          refresh(null);
+        };
+        const title = `bit ${bit}${bitName(codec, bit)}`;
+        nibble.append(make("button", { class: "bit mono", "data-bit": bit, title, onclick: flip }));
       }
-      bits.append(make("div", {}, nibble, make("div", { class: "ends mono" }, make("i", {}, String(top)), top > low ? make("i", {}, String(low)) : null)));
+      const end = top > low ? make("i", {}, String(low)) : null;
+      bits.append(make("div", {}, nibble, make("div", { class: "ends mono" }, make("i", {}, String(top)), end)));
     }
     const boxes = make("div", { class: "codec" }, make("label", {}, "raw"), rawBox, soft(`${codec.width} bits`));
     if (valueBox) boxes.append(make("label", {}, "value"), valueBox, soft(element.unit ?? ""));
     const box = make("div", {}, boxes, message, bits);
-    if (parts.length) box.append(make("table", { class: "fields" }, make("tbody", {}, ...parts.map((part) => part.row))));
+    const fieldRows = parts.map((part) => part.row);
+    if (parts.length) box.append(make("table", { class: "fields" }, make("tbody", {}, ...fieldRows)));
     refresh(null);
     return box;
   }
@@ -178,18 +218,24 @@
   }
 
   function start(codec, element) {
-    try { return element.initial === undefined || element.initial === null ? 0n : codec.encode(element.initial === 0 ? "0" : String(element.initial)); } catch { return 0n; }
+    if (element.initial === undefined || element.initial === null) return 0n;
+    try { return codec.encode(element.initial === 0 ? "0" : String(element.initial)); } catch { return 0n; }
   }
 
   function listen(box, change) { box.addEventListener(box.tagName === "SELECT" ? "change" : "input", change); }
 
   function valueInput(codec) {
     if (codec.type.kind === "bits") return null;
-    if (codec.type.kind === "bool") return make("select", { "aria-label": "value" }, make("option", {}, "false"), make("option", {}, "true"));
-    if (codec.type.kind === "enum" && !codec.enum.open) {
-      return make("select", { "aria-label": "value" }, ...codec.enum.values.map((item) => make("option", { title: item.documentation ?? "" }, item.name)));
+    const label = { "aria-label": "value" };
+    if (codec.type.kind === "bool") {
+      return make("select", label, make("option", {}, "false"), make("option", {}, "true"));
     }
-    return make("input", { "aria-label": "value", spellcheck: "false", placeholder: codec.type.kind === "enum" ? codec.enum.values.map((v) => v.name).join(", ") : "" });
+    if (codec.type.kind === "enum" && !codec.enum.open) {
+      const option = (item) => make("option", { title: item.documentation ?? "" }, item.name);
+      return make("select", label, ...codec.enum.values.map(option));
+    }
+    const placeholder = codec.type.kind === "enum" ? codec.enum.values.map((v) => v.name).join(", ") : "";
+    return make("input", { ...label, spellcheck: "false", placeholder });
   }
 
   function setBox(box, codec, raw, message) {
@@ -209,7 +255,13 @@
   const main = document.getElementById("map");
   const tree = document.getElementById("tree");
 
-  function jump(id) { return (event) => { event.preventDefault(); document.getElementById(id)?.scrollIntoView(); history.replaceState(null, "", `#${encodeURIComponent(id)}`); }; }
+  function jump(id) {
+    return (event) => {
+      event.preventDefault();
+      document.getElementById(id)?.scrollIntoView();
+      history.replaceState(null, "", `#${encodeURIComponent(id)}`);
+    };
+  }
 
   function linkText(link) {
     if (!link || link.kind === "memory") return "";
@@ -224,23 +276,37 @@
     const id = `at-${path}`;
     const section = make("section", { id });
     const entry = { section, rows: 0 };
-    const heading = [make("span", {}, path), soft(`${instance.path ? instance.constructor : "public"}${instance.display && instance.display !== instance.path && instance.display !== instance.name ? ` “${instance.display}”` : ""}`)];
+    const hasTitle = instance.display && instance.display !== instance.path && instance.display !== instance.name;
+    const title = hasTitle ? ` “${instance.display}”` : "";
+    const heading = [make("span", {}, path), soft((instance.path ? instance.constructor : "public") + title)];
     if (instance.component) heading.push(soft(`component ${instance.component.entity}`));
     const link = linkText(instance.link);
     if (link && (!instance.path || instance.link.link)) heading.push(soft(link));
     section.append(make("h2", {}, ...heading));
     if (instance.documentation) section.append(make("p", {}, instance.documentation));
-    for (const group of groups) section.append(make("p", {}, `group ${group.name}: ${(group.elements ?? []).join(", ")}`, group.documentation ? ` · ${group.documentation}` : ""));
+    for (const group of groups) {
+      const names = (group.elements ?? []).join(", ");
+      const note = group.documentation ? ` · ${group.documentation}` : "";
+      section.append(make("p", {}, `group ${group.name}: ${names}`, note));
+    }
     if (elements.length) {
       const body = make("tbody", {});
-      for (const element of elements) body.append(rowOf(element, several ? `${root.name}.${element.path}` : element.path, entry));
-      section.append(make("table", { class: "registers" }, make("thead", {}, make("tr", {}, ...["address", "name", "access", "type", "unit", "publish", ""].map((text) => make("th", {}, text)))), body));
+      for (const element of elements) {
+        body.append(rowOf(element, several ? `${root.name}.${element.path}` : element.path, entry));
+      }
+      const head = tableHead("address", "name", "access", "type", "unit", "publish", "");
+      section.append(make("table", { class: "registers" }, head, body));
     }
-    if (elements.length || groups.length || instance.documentation || !instance.path) { main.append(section); sections.push(entry); }
+    if (elements.length || groups.length || instance.documentation || !instance.path) {
+      main.append(section);
+      sections.push(entry);
+    }
 
-    const label = [make("a", { href: `#${id}`, onclick: jump(id) }, instance.path ? instance.name : root.name), soft(instance.path ? instance.constructor : "public")];
+    const anchor = make("a", { href: `#${id}`, onclick: jump(id) }, instance.path ? instance.name : root.name);
+    const label = [anchor, soft(instance.path ? instance.constructor : "public")];
     if (instances.length) {
-      const node = make("details", { open: parent === tree || instances.length <= 12 ? "" : null }, make("summary", {}, ...label));
+      const open = parent === tree || instances.length <= 12 ? "" : null;
+      const node = make("details", { open }, make("summary", {}, ...label));
       parent.append(node);
       for (const inner of instances) addInstance(inner, root, node);
     } else {
@@ -252,24 +318,34 @@
     const table = make("tbody", {});
     for (const device of model.devices ?? []) {
       for (const group of device.groups ?? []) {
-        table.append(make("tr", {}, make("td", { class: "mono" }, String(group.number)), make("td", {}, group.name),
-          make("td", {}, `${device.root}${device.comm ? `, ${device.comm}` : ""}`), make("td", { class: "note" }, (group.elements ?? []).join(", "))));
+        table.append(make("tr", {},
+          make("td", { class: "mono" }, String(group.number)),
+          make("td", {}, group.name),
+          make("td", {}, `${device.root}${device.comm ? `, ${device.comm}` : ""}`),
+          make("td", { class: "note" }, (group.elements ?? []).join(", "))));
       }
     }
     if (!table.childElementCount) return;
-    const head = make("thead", {}, make("tr", {}, ...["group", "publishes", "device", "values of one snapshot"].map((text) => make("th", {}, text))));
+    const head = tableHead("group", "publishes", "device", "values of one snapshot");
     main.append(make("section", { id: "publishes" }, make("h2", {}, "Publishes"), make("table", {}, head, table)));
-    tree.append(make("div", { class: "leaf" }, make("a", { href: "#publishes", onclick: jump("publishes") }, "Publishes")));
+    const link = make("a", { href: "#publishes", onclick: jump("publishes") }, "Publishes");
+    tree.append(make("div", { class: "leaf" }, link));
   }
 
   function addEnums() {
     for (const item of model.enums ?? []) {
       const id = `enum-${item.name}`;
-      const body = make("tbody", {}, ...(item.values ?? []).map((value) => make("tr", {}, make("td", { class: "mono" }, String(value.value)),
-        make("td", {}, value.name), make("td", { class: "note" }, value.documentation ?? ""))));
-      main.append(make("section", { id }, make("h2", {}, item.name, soft(`${item.open ? "open " : ""}enum, ${item.width} bits`)),
-        item.documentation ? make("p", {}, item.documentation) : null, make("table", {}, body)));
-      tree.append(make("div", { class: "leaf" }, make("a", { href: `#${id}`, onclick: jump(id) }, item.name), soft("enum")));
+      const row = (value) => make("tr", {},
+        make("td", { class: "mono" }, String(value.value)),
+        make("td", {}, value.name),
+        make("td", { class: "note" }, value.documentation ?? ""));
+      const body = make("tbody", {}, ...(item.values ?? []).map(row));
+      main.append(make("section", { id },
+        make("h2", {}, item.name, soft(`${item.open ? "open " : ""}enum, ${item.width} bits`)),
+        item.documentation ? make("p", {}, item.documentation) : null,
+        make("table", {}, body)));
+      const link = make("a", { href: `#${id}`, onclick: jump(id) }, item.name);
+      tree.append(make("div", { class: "leaf" }, link, soft("enum")));
     }
   }
 
@@ -293,7 +369,8 @@
       if (fits) { found++; one.section.rows++; }
     }
     for (const section of sections) section.section.hidden = words.length > 0 && section.rows === 0;
-    counter.textContent = words.length ? `${found.toLocaleString("en")} of ${rows.length.toLocaleString("en")}` : count(rows.length, "register");
+    const ofAll = `${found.toLocaleString("en")} of ${rows.length.toLocaleString("en")}`;
+    counter.textContent = words.length ? ofAll : count(rows.length, "register");
     nothing.hidden = found > 0 || !words.length;
   }
 
@@ -308,18 +385,30 @@
   filter();
   search.addEventListener("input", filter);
   document.addEventListener("keydown", (event) => {
-    if (event.key === "/" && !["INPUT", "SELECT"].includes(document.activeElement.tagName)) { event.preventDefault(); search.focus(); }
-    if (event.key === "Escape" && document.activeElement === search) { search.value = ""; filter(); }
+    if (event.key === "/" && !["INPUT", "SELECT"].includes(document.activeElement.tagName)) {
+      event.preventDefault();
+      search.focus();
+    }
+    if (event.key === "Escape" && document.activeElement === search) {
+      search.value = "";
+      filter();
+    }
   });
   document.getElementById("theme").addEventListener("click", () => {
     const root = document.documentElement;
-    const dark = root.classList.contains("dark") || (!root.classList.contains("light") && matchMedia("(prefers-color-scheme: dark)").matches);
+    const chosen = ["dark", "light"].find((name) => root.classList.contains(name));
+    const dark = chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
     root.classList.toggle("dark", !dark);
     root.classList.toggle("light", dark);
   });
   const wanted = decodeURIComponent(location.hash.slice(1));
   if (wanted) {
     const one = rows.find((each) => each.path === wanted);
-    if (one) { toggle(one, true); one.row.scrollIntoView({ block: "center" }); } else document.getElementById(wanted)?.scrollIntoView();
+    if (one) {
+      toggle(one, true);
+      one.row.scrollIntoView({ block: "center" });
+    } else {
+      document.getElementById(wanted)?.scrollIntoView();
+    }
   }
 })();
