@@ -52,6 +52,20 @@ def test_axi_lite_master_netlist(ghdl: Any, tmp_path: Path) -> None:
     ghdl.run_netlist("axi_lite_master", tmp_path, timeout_clocks=100)
 
 
+@pytest.mark.parametrize(("stalls", "seed"), [(0, 1), (40, 2), (80, 3)])
+def test_axi_lite_slave(ghdl: Any, stalls: int, seed: int) -> None:
+    ghdl.run("axi_lite_slave_tb", stalls=stalls, seed=seed)
+
+
+@pytest.mark.parametrize(("lines", "seed"), [(1, 1), (5, 2), (30, 3)])
+def test_interrupt_slave(ghdl: Any, lines: int, seed: int) -> None:
+    ghdl.run("interrupt_slave_tb", lines=lines, seed=seed)
+
+
+def test_axi_lite_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("axi_lite_slave", tmp_path, timeout_clocks=100, accesses=60)
+
+
 @pytest.mark.parametrize("data_width", [8, 12, 32])
 @pytest.mark.parametrize("snapshot", [False, True])
 def test_register_slave(ghdl: Any, data_width: int, snapshot: bool) -> None:

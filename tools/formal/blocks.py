@@ -121,6 +121,21 @@ BLOCKS = (
             Mutant("axi_lite_master.vhd", "          given_up <= '1';", "          given_up <= '0';"),
         ),
     ),
+    Block(
+        "axi_lite_slave",
+        "`bus/axi_lite_slave`, timeout of 3 clocks",
+        depth=12,
+        pdr=True,
+        not_proven="that a slave which answered too late has forgotten the access: Wishbone demands it",
+        mutants=(
+            Mutant(
+                "axi_lite_slave.vhd", "axi_lite_s2m.wready  <= not data_full;", "axi_lite_s2m.wready  <= '1';"
+            ),
+            Mutant("axi_lite_slave.vhd", "<= axi_lite_m2s.wstrb;", '<= "1111";'),
+            Mutant("axi_lite_slave.vhd", "response <= axi_slave_error_c;", "null;"),
+            Mutant("axi_lite_slave.vhd", "axi_lite_m2s.bready = '1' then", "true then"),
+        ),
+    ),
     *PHYSICAL_BLOCKS,
     Block(
         "receiver",

@@ -6,6 +6,7 @@ from __future__ import annotations
 from .committed import CommittedProxy
 from .double_buffer import DoubleBufferProxy
 from .fifo import FifoProxy, FifoStatus
+from .interrupt import InterruptProxy
 from .memory import MemoryProxy
 from .proxy import HardwareProxy
 from .tosnet import TosNetNode, TosNetProxy, TosNetRegister, TosNetWords
@@ -17,6 +18,7 @@ __all__ = [
     "FifoProxy",
     "FifoStatus",
     "HardwareProxy",
+    "InterruptProxy",
     "MemoryProxy",
     "NetworkNode",
     "TosNetCounters",
