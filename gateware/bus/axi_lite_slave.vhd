@@ -10,8 +10,8 @@
 -- Strobes    wstrb becomes sel. register_slave refuses a write of less than its word.
 -- Order      One write and one read may wait. If both do, they take turns.
 -- Latency    Address and data are on the Wishbone bus 2 clocks after they were taken, the response a clock after ack.
--- Errors     err becomes SLVERR. So does an access without an answer for `timeout_clocks`: cyc falls then, and the slave
---            must forget it, as Wishbone demands.
+-- Errors     err becomes SLVERR. So does an access without an answer for `timeout_clocks`: cyc falls then, and the
+--            slave must forget it, as Wishbone demands.
 -- Pressure   Each channel waits for its ready. A response stands until it is taken.
 -- Reset      Drops what waits. Reset the master in the same clock, as AXI demands.
 
