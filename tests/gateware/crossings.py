@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finds where signals of a netlist enter a clock domain: each register and what reaches it."""
+"""Finds where signals of a netlist enter a clock domain: each register, and the sources that reach it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SCRIPT = (
     "read_verilog {verilog}; hierarchy -check -top {top}; proc; flatten; opt_clean; opt_dff; simplemap; "
     "opt_clean; write_json {made}"
 )
-_REGISTER = re.compile(r"\$_(S|AL)?DFF\w*_$")  # of one bit, as `simplemap` leaves them
+_REGISTER = re.compile(r"\$_(S|AL)?DFF\w*_$")  # registers of one bit, as `simplemap` leaves them
 _MADE_UP = re.compile(r"(^|\.)n\d+_\w+$")  # by GHDL
 _RESET_BY_CLOCK = "$_SDFF"
 
@@ -30,10 +30,10 @@ class Register:
 
     names: tuple[str, ...]
     clock: str
-    data: frozenset[Source]  # what reaches its data input …
+    data: frozenset[Source]  # sources that reach its data input …
     choice: frozenset[Source]  # … its enable or its synchronous reset
-    clears: frozenset[Source]  # … and its asynchronous one
-    direct: bool  # nothing stands between the source and the data input
+    clears: frozenset[Source]  # … and its asynchronous reset
+    direct: bool  # true if there is no logic between the source and the data input
 
 
 class Netlist:
@@ -75,11 +75,11 @@ class Netlist:
         return self._pins.get(bit) or min(self._names[bit])
 
     def _fill(self) -> None:
-        """Spread what each pin, register and memory gives to all bits that logic makes of it."""
+        """Find, for all bits, which pins, registers and memories reach them through logic."""
         given: dict[Source, set[int]] = {}
         for bit, name in self._pins.items():
             given.setdefault(("pin", name), set()).add(bit)
-        read: dict[int, set[int]] = {}  # bit -> what the logic makes of it
+        read: dict[int, set[int]] = {}  # bit -> bits that the logic makes from it
         for cell in self._module["cells"].values():
             pins, outputs = cell["connections"], self._bits(cell, "output")
             if _REGISTER.match(cell["type"]):
@@ -119,7 +119,7 @@ class Netlist:
 
     @property
     def registers(self) -> Iterator[Register]:
-        """Each bit of each register, and each write port of a memory."""
+        """Every bit of every register, and every write port of a memory."""
         for cell in self._module["cells"].values():
             pins = cell["connections"]
             if cell["type"].startswith("$memwr"):

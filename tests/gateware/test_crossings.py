@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every signal that enters a clock domain does so through a register made for that, in every design."""
+"""In every design, each signal that enters a clock domain passes a register that is made for this."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FT245 = ("rxf_n", "txe_n", "data_in")
 
 @dataclass(frozen=True)
 class Bounds:
-    """What comes from outside of a design, by how its name begins: what is synchronous to a clock."""
+    """Which signals from outside are synchronous to which clock, by the beginnings of their names."""
 
     synchronous: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # clock -> beginnings
     cleared: tuple[str, ...] = ("reset_over",)  # registers
@@ -42,7 +42,7 @@ class Bounds:
         }
 
     def wrong(self, register: Register) -> str:
-        """Say what is wrong with how `register` takes what is foreign to its clock; "" if nothing is."""
+        """Return what is wrong with the way in which `register` takes signals of another domain, or ""."""
         foreign = self.foreign(register)
         leaves = {name.rpartition(".")[2] for name in register.names}
         if not foreign:
@@ -56,7 +56,7 @@ class Bounds:
         return "" if any(leaf.endswith("_crossed") for leaf in leaves) else f"takes {sorted(foreign)}"
 
 
-TOP = {"clock": ("to_pc", "events")}  # of a generated top level: what the user's logic gives
+TOP = {"clock": ("to_pc", "events")}  # for a generated top level: the signals of the user's logic
 LAYERS = {
     "uart": Bounds(TOP),
     "rs485": Bounds(TOP),
@@ -123,7 +123,7 @@ QUARTUS = re.compile(r"(\*[\w|*]*?\w+)\[\*\](\|clrn)?(?=[\s}])")
 
 
 def crossings() -> set[tuple[str, bool]]:
-    """Return the path of each register that takes what is foreign, and whether it is cleared."""
+    """Return the path of each register that takes a signal of another domain, and whether it is cleared."""
     return {
         (name.replace(".", "/"), bool(bounds.foreign(register) & register.clears))
         for physical, bounds in LAYERS.items()

@@ -93,7 +93,7 @@ class Board:
     ) -> BoardConfiguration:
         """Return the gateware that `spec` needs, on this board's link, changed by `settings`.
 
-        If the small engine is asked for, the link speaks frames alone. Raises BoardError if the spec names
+        If the small engine is requested, the link uses only frames. Raises BoardError if the spec names
         another kind of link, or if the line is too fast for that engine.
         """
         given = settings or {}

@@ -11,16 +11,16 @@ from unitylink.generate.quoting import Tcl
 
 from .manifest import CHIP_CLOCK_HZ
 
-SPI_HZ = 25_000_000  # the fastest that spi_slave.md promises
+SPI_HZ = 25_000_000  # the highest clock that spi_slave.md promises
 
 
 @dataclass(frozen=True)
 class PinTiming:
     """The pins of a physical layer. Times are in nanoseconds, seen from the FPGA.
 
-    With the pin `clock`: `given` comes so long after its edge (falling, if `falling`), at least and at most.
-    `wanted` must stand so long before its next rising edge, and after it. Without: `given` and `wanted` may
-    take so long in the FPGA, at most.
+    With a `clock` pin, the signals of `given` come between the two times of `given_ns` after its edge. The
+    edge is falling if `falling`. Those of `wanted` must be stable before its next rising edge and after it,
+    by the two times of `wanted_ns`. Without a clock, the times are the longest delays within the FPGA.
     """
 
     source: str
@@ -66,10 +66,12 @@ PIN_TIMING = {
 def pin_constraints(
     ports: Sequence[Port], clock: str, clock_hz: int, physical: str, *, datapath_only: bool
 ) -> list[Tcl]:
-    """Return the clocks of a design, and how its pins stand to them. A pin that no clock binds has no path.
+    """Return constraints for the clocks of a design, and for its pins relative to these clocks.
 
-    A two-way pin is in `ports` twice. With `datapath_only` the tool can leave the clock's own delay out, as
-    Vivado can. Only pins that the design has are named, so logic of a user may keep the layer for itself.
+    The path of a pin without a clock is not checked.
+
+    A two-way pin is in `ports` twice. With `datapath_only`, the tool can leave out the clock's own delay, as
+    Vivado can. Only pins of the design are named, because a user's logic may keep the layer inside.
     """
     inputs = {port.name: port for port in ports if port.is_input}
     outputs = {port.name: port for port in ports if not port.is_input}
@@ -130,6 +132,6 @@ def _clock(port: Port, hz: int) -> Tcl:
 
 
 def _ports(ports: Iterable[Port]) -> Tcl:
-    """Return these ports with all their bits."""
+    """Return a Tcl expression for these ports with all their bits."""
     names = [Tcl.of("{}[*]", port.name) if port.bits > 1 else Tcl.of("{}", port.name) for port in ports]
     return Tcl.of("[get_ports {{{}}}]", Tcl(" ").join(names))

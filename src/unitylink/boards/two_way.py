@@ -9,7 +9,7 @@ from unitylink.gateware import Port
 
 
 def two_way_names(ports: Sequence[Port]) -> list[str]:
-    """Return the names that are three ports each: `x_in`, `x_out` and `x_drive`.
+    """Return the names for which there are three ports: `x_in`, `x_out` and `x_drive`.
 
     >>> two_way_names([Port("a_in", True, 1), Port("a_out", False, 1), Port("a_drive", False, 1)])
     ['a']
@@ -20,7 +20,7 @@ def two_way_names(ports: Sequence[Port]) -> list[str]:
 
 
 def pin_ports(ports: Sequence[Port]) -> tuple[Port, ...]:
-    """Return the ports at the pins. A two-way one is there as an input and as an output."""
+    """Return the ports at the pins. A two-way pin is in it twice, as an input and as an output."""
     both = two_way_names(ports)
     inner = {f"{name}_{end}" for name in both for end in ("in", "out", "drive")}
     bits = {port.name: port.bits for port in ports}
@@ -29,7 +29,7 @@ def pin_ports(ports: Sequence[Port]) -> tuple[Port, ...]:
 
 
 def with_pins(top: str, ports: Sequence[Port], generics: Mapping[str, int]) -> str:
-    """Return the module TOP_pins around the entity `top`: "" if it has no two-way pin.
+    """Return the module TOP_pins around the entity `top`, or "" if there is no two-way pin.
 
     Its port `x` has the value of `x_out` while `x_drive` is high, and `x_in` reads it.
     """

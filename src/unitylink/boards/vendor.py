@@ -52,8 +52,8 @@ class Project:
     baud_hz: int
     generics: Mapping[str, int]
     sources: tuple[Path, ...]  # VHDL
-    verilog: tuple[Path, ...]  # the top level, where pins go both ways
-    pins: Mapping[str, str]  # bit of a port -> site, "" where the user has to fill it in
+    verilog: tuple[Path, ...]  # the top level, if pins go both ways
+    pins: Mapping[str, str]  # bit of a port -> site, or "" if the user has to fill it in
     ports: tuple[Port, ...]  # of the top level
     clock: str
     physical: str

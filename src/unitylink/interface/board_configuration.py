@@ -154,8 +154,8 @@ class BoardConfiguration(Settings):
         the spec apply. It has two publish groups more than the spec needs and at least 4, as large as needed
         and at least 32 words each. A classic read-many can read everything in the largest device that may be
         read again, and at least 16 words. An exchange group holds the cycle of the largest device, as far as
-        a frame can define it, and at least 30 words. It has the small engine where that
-        will do (interface/engine.py), with all of its sizes. Raises ValueRangeError.
+        a frame can define it, and at least 30 words. It has the small engine, with all of its
+        sizes, if that is enough (interface/engine.py). Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -283,7 +283,7 @@ def _told(link: Link) -> tuple[tuple[str, Any], ...]:
 
 
 def told_engine(spec: Spec) -> str | None:
-    """Return the engine that the spec's links ask for, None if they name none or several."""
+    """Return the engine that the spec's links name, or None if they name none or several."""
     told = {device.link.engine for device in spec.devices}
     return told.pop() if len(told) == 1 else None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which engine of the framed protocol a design has: docs/gateware/framed_small.md, docs/generate-vhdl.md."""
+"""The choice of the engine of the framed protocol: docs/gateware/framed_small.md, docs/generate-vhdl.md."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SMALL: Final = MappingProxyType(
 
 
 class Chosen(Protocol):
-    """What a choice depends on. A BoardConfiguration has it."""
+    """The settings on which the choice depends. A BoardConfiguration has them."""
 
     @property
     def protocol(self) -> str: ...
@@ -47,13 +47,13 @@ class Chosen(Protocol):
 
 
 def sizes_of(engine: str) -> Mapping[str, Any]:
-    """Return what is fixed for gateware: settings that only a virtual board may have otherwise."""
+    """Return the settings that are fixed in gateware. Only a virtual board may have other values."""
     fixed = {one.name: one.default for one in SETTINGS.values() if one.needed_by == ("twin",)}
     return fixed if engine == "fast" else {**fixed, **{name: SMALL[name] for name in fixed if name in SMALL}}
 
 
 def beyond_small(configuration: Any) -> str:
-    """Return which setting the small engine does not have, and the remedy, or ""."""
+    """Return which setting the small engine does not have, with the remedy, or ""."""
     for name, has in SMALL.items():
         value = getattr(configuration, name)
         if value != has and not (name == "window" and value < has):
@@ -63,7 +63,9 @@ def beyond_small(configuration: Any) -> str:
 
 
 def too_fast(configuration: Chosen) -> str:
-    """Say that the line brings posts faster than the small engine executes them, and the remedy, or ""."""
+    """If the line brings posts faster than the small engine executes them, return this with the remedy, else
+    "".
+    """
     clocks, least = configuration.byte_clocks, p.SMALL_ENGINE_BYTE_CLOCKS_MIN
     if configuration.engine == "small" and 0 < clocks < least:
         return (
@@ -74,17 +76,20 @@ def too_fast(configuration: Chosen) -> str:
 
 
 def lacks(spec: Spec, given: Mapping[str, Any]) -> Iterator[Lack]:
-    """Yield what the small engine cannot do of a spec. `given` settings may do without its publishes."""
+    """Yield what the spec needs and the small engine cannot do.
+
+    The `given` settings may turn its publishes off.
+    """
     elements = (element for _, element in spec.walk())
     return lacks_of(spec.devices, elements, publishing=given.get("publish_mode") != 0)
 
 
 def small_will_do(spec: Spec, plain: Chosen, given: Mapping[str, Any]) -> bool:
-    """Say whether the small engine does all that `spec` and the settings that are `given` ask for.
+    """Tell whether the small engine can do all that `spec` and the `given` settings need.
 
-    `plain` is the design without a choice. Its line must be slow by itself: an SPI master or an FTDI chip
-    may be as fast as it likes. A design that also speaks classic text has the fast engine. So has one that
-    reads bursts or snapshots: a FIFO, a group, several values polled together.
+    `plain` is the design before the choice. Its line must be slow by itself, because an SPI master or an FTDI
+    chip may be fast. A design that also speaks classic text has the fast engine. So has one whose host reads
+    bursts or snapshots: a FIFO, a group, several polled values.
     """
     asked = all(given.get(name, value) == value for name, value in SMALL.items() if name != "window")
     few = given.get("window", 0) <= SMALL["window"]
@@ -95,7 +100,7 @@ def small_will_do(spec: Spec, plain: Chosen, given: Mapping[str, Any]) -> bool:
 
 
 def _at_once(spec: Spec) -> bool:
-    """Say whether the spec has parts whose words a program reads together."""
+    """Tell whether the spec has parts whose words a program reads together."""
     elements = [element for _, element in spec.walk()]
     polled = sum(element.publish is not None and element.publish.mode == 2 for element in elements)
     return polled > 1 or any(e.link.kind == "fifo" for e in elements) or any(map(_has_groups, spec.roots))

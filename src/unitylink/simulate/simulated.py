@@ -61,7 +61,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
     # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
     board = _KINDS[kind](spec, plant, settings, endpoint)
-    if board.configuration.protocol == "framed":  # asking for text would only take time
+    if board.configuration.protocol == "framed":  # a request in text would only cost time
         options.setdefault("protocol", "framed")
     try:
         link_url = f"{board.url}?{urlencode(options, safe=',/', quote_via=quote)}"

@@ -234,7 +234,7 @@ Member = Union[Instance, Element, Group]
 PHYSICAL_LAYERS = SETTINGS["physical"].choices  # gateware/physical
 LINES = ("uart", "rs485")  # the layers that have a baud rate
 SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # for an FT245, as in physical_pkg
-ENGINES = SETTINGS["engine"].choices  # of the framed protocol, as in engine_pkg
+ENGINES = SETTINGS["engine"].choices  # engines of the framed protocol, as in engine_pkg
 
 
 @dataclass(frozen=True)
@@ -255,7 +255,7 @@ class Link:
     physical: str | None = None  # None means: whatever the board has, or a UART
     send_immediate: str | None = None
     node: int | None = None
-    engine: str | None = None  # None means: the small one where it will do
+    engine: str | None = None  # None means: the small one if it is enough
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which engine a design gets, and what is refused of a small one."""
+"""The engine that a design gets, and what a small engine refuses."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def spec_of(members: str = LAMP, link: str = "") -> Spec:
         (LAMP, {}, "fast"),  # it also speaks text
         (LAMP, {"protocol": "classic"}, "fast"),
         (LAMP, {"physical": "rs485"}, "small"),  # frames alone
-        (LAMP, {"protocol": "framed", "physical": "spi"}, "fast"),  # the master is as fast as it likes
+        (LAMP, {"protocol": "framed", "physical": "spi"}, "fast"),  # the master may be fast
         (LAMP, {"protocol": "framed", "physical": "ft245_async"}, "fast"),
         (LAMP, {"protocol": "framed", "clock_hz": 1_000_000 * LEAST, "baud_hz": 10_000_000}, "small"),
         (LAMP, {"protocol": "framed", "clock_hz": 1_000_000 * LEAST - 1, "baud_hz": 10_000_000}, "fast"),
@@ -63,7 +63,7 @@ def test_a_design_gets_the_small_engine_where_it_will_do(
 
 def test_the_spec_chooses() -> None:
     assert BoardConfiguration.for_spec(spec_of(link="ENGINE=fast"), protocol="framed").engine == "fast"
-    quick = spec_of(link="BAUD=12 MHz")  # 41 clocks a byte at 50 MHz
+    quick = spec_of(link="BAUD=12 MHz")  # 41 clocks for a byte at 50 MHz
     assert BoardConfiguration.for_spec(quick, protocol="framed").engine == "fast"
     assert BoardConfiguration.for_spec(quick, protocol="framed", clock_hz=100_000_000).engine == "small"
     small = BoardConfiguration.for_spec(spec_of(link="ENGINE=small"))
@@ -115,7 +115,7 @@ def test_a_line_is_too_fast_where_posts_could_come_faster_than_they_are_executed
 
 @pytest.mark.parametrize("link", ["BAUD=3 MHz", "PHYSICAL=rs485, NODE=1, BAUD=3 MHz", "ENGINE=small"])
 def test_simulated_gateware_has_the_engine_of_the_real_one(link: str) -> None:
-    """Its clock is slower, but the choice is not made by that."""
+    """Its clock is slower, but the choice does not use the clock."""
     real = BoardConfiguration.for_spec(spec_of(link=link), protocol="framed")
     slow = rtl_configuration(spec_of(link=link), protocol="framed")
     assert slow.clock_hz < real.clock_hz

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a link declares: its physical layer, its engine, and what belongs to them."""
+"""What a link declares: its physical layer, its engine, and the properties that belong to them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from unitylink.spec import Spec, compile_text
 
 
 def clean(text: str) -> Spec:
-    """Compile a text that must give no diagnostic at all."""
+    """Compile a text that must give no diagnostic."""
     result = compile_text(text)
     assert [(d.code, d.message) for d in result.diagnostics] == []
     assert result.spec is not None
@@ -73,7 +73,7 @@ def test_what_a_link_cannot_stand_on(properties: str, code: str, message: str) -
     ],
 )
 def test_what_the_small_engine_cannot_do(members: str, said: list[str]) -> None:
-    """It is told with the place, once for each reason; with the fast engine nothing is wrong."""
+    """It is reported with its place, and once for each reason. With the fast engine, nothing is wrong."""
     text = f"link a (ENGINE=small); public a() {{ {members} }}"
     found = compile_text(text, "<text>").diagnostics
     assert [d.code for d in found] == ["UL105"] * len(said)

@@ -162,7 +162,7 @@ class Plan:
 
     @property
     def byte_clocks_min(self) -> int:
-        """The least clocks that a byte may take on the line. 0: there is no line, or any will do."""
+        """The fewest clocks that a byte may take on the line. It is 0 if there is no line, or no limit."""
         line = any(item.name == "baud_hz" for item in self.layer.generics)
         return SMALL_ENGINE_BYTE_CLOCKS_MIN if line and self.configuration.engine == "small" else 0
 

@@ -21,7 +21,7 @@ CLOCK_HZ_DEFAULT = 1_000_000  # an ordinary machine runs this in real time, and 
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
     """Return the gateware that would be generated, but with a clock that can be simulated in real time.
 
-    It has the engine of the clock that the gateware would have.
+    Its engine is the one that the gateware would have with its own clock.
     """
     quick = {name: value for name, value in overrides.items() if name != "clock_hz"}
     engine = BoardConfiguration.for_spec(spec, **quick).engine

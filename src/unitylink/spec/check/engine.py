@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the small engine of the gateware can do what a spec asks for (docs/gateware/framed_small.md)."""
+"""Check that the small engine of the gateware can do what a spec asks for (docs/gateware/framed_small.md)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..report.diagnostics import Reporter
 
 @dataclass(frozen=True)
 class Lack:
-    """What the small engine lacks for `element`. `remedy` would let the spec do without it."""
+    """What the small engine lacks for `element`. With the `remedy`, the spec would not need it."""
 
     element: Element
     what: str
@@ -21,7 +21,7 @@ class Lack:
 
 
 def check_engine(roots: tuple[Instance, ...], links: Mapping[str, Link], reporter: Reporter) -> None:
-    """Report what a link with ENGINE=small cannot do. One report for each reason is enough."""
+    """Report what a link with ENGINE=small cannot do. Each reason is reported only once."""
     for device in devices(roots, links):
         if device.link.engine == "small":
             elements = [e for root in roots if root.name == device.root for e in root.walk()]
@@ -40,7 +40,7 @@ def check_engine(roots: tuple[Instance, ...], links: Mapping[str, Link], reporte
 def lacks_of(
     among: Iterable[Device], elements: Iterable[Element], *, publishing: bool = True
 ) -> Iterator[Lack]:
-    """Yield what the small engine cannot do. Without `publishing` nobody wants the publishes."""
+    """Yield what the small engine cannot do. Without `publishing`, the publishes of the spec do not count."""
     for group in (group for device in among for group in device.groups if publishing):
         element = group.elements[0]
         yield Lack(
