@@ -29,7 +29,8 @@ else:
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "native" / "src"
 BUILD = ROOT / "build" / "native"
-LIBRARIES = (BUILD / "libunitylink_twin.a", BUILD / "libunitylink_core.a")  # each one needs those after it
+# in link order: each library uses those after it
+LIBRARIES = (BUILD / "libunitylink_twin.a", BUILD / "libunitylink_core.a")
 MESSAGES = 10_000
 LONGEST_S = 120  # for one run
 SEEDS = 24  # histories with one seed each, until one fails; some mistakes show only in one of twelve

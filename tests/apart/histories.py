@@ -6,9 +6,9 @@
     python tests/apart/histories.py --profile udp --seed 17 --messages 1 --keep /tmp/history
 
 A message is a request of the protocol, as the host's link counts them, or a post. A list is one message. An
-answer is none. A history always runs to its end, so there are some more messages than asked. The machine
-decides when bytes come. So a seed draws the same faults, but the history is not the same. The journals of a
-failed history are kept as the proof.
+answer is not counted. A history always runs to its end, so there are some more messages than asked. The
+machine decides when bytes come. So a seed draws the same faults, but the history is not the same. The
+journals of a failed history are kept as the proof.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ def test_reply_cache_refuses_a_window_that_is_not_a_power_of_two(ghdl: Any) -> N
 
 
 def entry_of(piece: bytes, epoch: int) -> tuple[int, bytes]:
-    """Return what the receiver tells of the piece between two borders."""
+    """Return what the receiver reports about the piece between two borders."""
     outside = piece[0] in (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
     if len(piece) > LONGEST:
         return ENTRY["long"], b""

@@ -33,7 +33,7 @@ class ReferenceDevice:
         self.epoch = p.FRAME_OPEN_EPOCH
         self.tripped = False
         self._borders = Borders()
-        self.nonce = nonce  # of the last HELLO answer; it outlives a reset
+        self.nonce = nonce  # nonce of the last HELLO answer; it outlives a reset
         self._session_nonce = 0
         self._offered = False  # true after a HELLO answer whose nonce no OPEN has used
         self._closed_told = False

@@ -170,7 +170,7 @@ def rates(spec: Spec, order: Order) -> tuple[int, int]:
 @dataclass(frozen=True)
 class _Placed:
     fmax_hz: int
-    link_fmax_hz: int | None  # of the clock that the link's chip gives
+    link_fmax_hz: int | None  # the highest rate of the clock that the link's chip gives
     seed: int
     area: tuple[Area, ...]
 

@@ -54,7 +54,7 @@ class Project:
     sources: tuple[Path, ...]  # VHDL
     verilog: tuple[Path, ...]  # the top level, if pins go both ways
     pins: Mapping[str, str]  # bit of a port -> site, or "" if the user has to fill it in
-    ports: tuple[Port, ...]  # of the top level
+    ports: tuple[Port, ...]  # ports of the top level
     clock: str
     physical: str
 

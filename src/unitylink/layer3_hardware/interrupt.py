@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
 PENDING, ENABLE = 0, 1  # relative addresses
-_COUNT_BYTES = 4  # of interrupts so far, as the kernel gives it
+_COUNT_BYTES = 4  # the kernel gives the number of interrupts so far
 _UNMASK = (1).to_bytes(_COUNT_BYTES, "little")
 
 
@@ -26,7 +26,7 @@ class InterruptProxy(HardwareProxy):
     """Wait for events of an `interrupt_slave`: +0 pending (a write clears), +1 enable.
 
     `device` is the UIO device whose interrupt the gateware raises. It may be the one that the link maps. No
-    event is lost: what comes while one is handled is pending, and the next wait returns at once.
+    event is lost. One that comes while another is handled stays pending, and the next wait returns at once.
 
     >>> with InterruptProxy(link, 0x80, "/dev/uio0") as events:   # doctest: +SKIP
     ...     events.enable(0b101)
@@ -50,13 +50,16 @@ class InterruptProxy(HardwareProxy):
             ) from error
 
     def enable(self, lines: int) -> None:
-        """Let these lines, a bit each, interrupt. All others are only remembered."""
+        """Let the events of these lines interrupt.
+
+        Each bit of `lines` is a line. All other events are only remembered.
+        """
         self.write(ENABLE, lines)
 
     def wait(self, timeout_s: float | None = None) -> int:
-        """Return the enabled events since the last wait, a bit each, and clear them.
+        """Return the enabled events since the last wait, one bit for each, and clear them.
 
-        Raises LinkTimeout if none comes within `timeout_s` (None: waits for ever).
+        Raises LinkTimeout if none comes within `timeout_s`. With None, it waits for ever.
         """
         end = _end(timeout_s)
         while not (events := self._take()):
@@ -83,7 +86,7 @@ class InterruptProxy(HardwareProxy):
         return events
 
     def close(self) -> None:
-        """Give the device back. A wait after it raises LinkError."""
+        """Close the device. A wait after it raises LinkError."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
@@ -105,14 +108,14 @@ class InterruptProxy(HardwareProxy):
         return events
 
     def _unmask(self) -> None:
-        """Let the device interrupt once more: the kernel masks it each time."""
+        """Allow one more interrupt, because the kernel masks it each time."""
         try:
             os.write(self._file, _UNMASK)
         except OSError as error:
             raise LinkError(f"{self.device}: it cannot be unmasked: {error.strerror}") from error
 
     def _count(self) -> None:
-        """Take the kernel's count, so that the next wait waits."""
+        """Read the kernel's count, so that the next wait really waits."""
         try:
             told = os.read(self._file, _COUNT_BYTES)
         except BlockingIOError:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Publish
 
 
-_STEP_PART = 0.75  # of a period; an older sample belongs to the tick before
+_STEP_PART = 0.75  # a sample that is older by more than this part of a period belongs to the tick before
 
 
 class Sets:

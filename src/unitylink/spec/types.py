@@ -55,7 +55,8 @@ class ValueType:
     name: str = ""  # name of an enumeration or of packed bits
     documentation: str = ""
     annotations: tuple[Annotation, ...] = ()
-    bus: bool = False  # as wide as the data bus of the device, whatever `width` the link has declared
+    # true if the width is that of the device's data bus, whatever `width` the link has declared
+    bus: bool = False
 
     @property
     def signed(self) -> bool:

@@ -56,7 +56,7 @@ FRAMED = Source(320_000_000, words=16, framed=True)
 class Stream:
     """The measurements of a stream, window by window."""
 
-    cpu_percent: float  # of one core, user and system, all threads; median of the windows
+    cpu_percent: float  # share of one core, user and system, over all threads; median of the windows
     mbit_per_second: float  # counts the messages that arrived
     messages: int
     missing: int

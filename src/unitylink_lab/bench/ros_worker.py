@@ -169,7 +169,7 @@ def main() -> None:
         plane.subscribe(interface.published[-1], count, depth=4096)
     else:
         made = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
-        if role != "node-out":  # of `node-out` we count what it sends
+        if role != "node-out":  # `node-out` counts what it sends
             read = lambda: int(made.health().facts["writes"])  # noqa: E731
     if name == "dds":
         plane.start()

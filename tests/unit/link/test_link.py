@@ -109,7 +109,8 @@ def test_timeout_says_what_how_often_and_how_long(link: Link, device: Any) -> No
     with pytest.raises(
         LinkTimeout, match=r"read of 0x88 unanswered after 3 attempts in .* ms; the device last"
     ) as caught:
-        link.read(0x88, timeout_s=0.05)  # of each attempt; so long that even a busy machine sends all three
+        # timeout of each attempt, so long that even a busy machine sends all three
+        link.read(0x88, timeout_s=0.05)
     error = caught.value
     assert (error.address, error.attempts) == (0x88, 3)
     assert error.elapsed_s >= 0.15

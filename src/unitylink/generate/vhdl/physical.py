@@ -36,7 +36,7 @@ class PhysicalLayer:
 
     entity: str
     what: Vhdl  # "a UART"
-    generics: tuple[Item, ...]  # of the top level; clock_hz is always there
+    generics: tuple[Item, ...]  # generics of the top level; clock_hz is always there
     generic_map: Vhdl  # generic map of the entity
     ports: tuple[Item, ...]
     more: tuple[Vhdl, ...]  # lines of the entity's port map for ports that do not go directly to pins

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 _SERVO_RAD_S = 90.0  # bandwidth of the position loop with nominal inertia, critically damped
-_FORCE_MARGIN = 2.0  # the drive can accelerate its nominal inertia so much faster than the profile requires
+_FORCE_MARGIN = 2.0  # position of the mass, in the unit of the joint
 
 
 @dataclass(frozen=True)

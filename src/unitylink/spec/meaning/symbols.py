@@ -89,7 +89,8 @@ class Scope:
     start: int
     end: int
     parameters: dict[str, Symbol] = field(default_factory=dict)
-    members: dict[str, Symbol] = field(default_factory=dict)  # with addresses, because they share their names
+    # name -> symbol; addresses too, because they share their names with members
+    members: dict[str, Symbol] = field(default_factory=dict)
     callees: dict[str, str] = field(default_factory=dict)  # instance -> its constructor
 
 

@@ -42,7 +42,7 @@ class _Writer:
     def __init__(self, text: str, tokens: Tokens) -> None:
         self.text = text
         self.tokens = tokens
-        self.lines: list[list[str]] = []  # each line as its parts
+        self.lines: list[list[str]] = []  # the parts of each line
         self.pieces: list[list[str]] = []  # words of the current line, which may be broken between two pieces
         self.in_statement = False
         self.continued = False  # true if the current line is not the first one of its statement
