@@ -19,9 +19,10 @@ from unitylink_lab.experiments.exchange import (
     framed_write,
     plain_client,
     read,
+    read_many,
     write,
 )
-from unitylink_lab.experiments.gateware import CLASSIC, FRAMED, FramedGateware
+from unitylink_lab.experiments.gateware import CLASSIC, FRAMED, GATEWARES, LONGEST_READ, FramedGateware
 from unitylink_lab.experiments.level_one import figures
 from unitylink_lab.experiments.link_parameters import FT245_ASYNC, LINKS
 from unitylink_lab.experiments.low_level import read_burst, synchronous_s, write_burst
@@ -51,6 +52,17 @@ def test_classic_clocks_are_those_of_the_core(exchange: Exchange, through: str, 
     told = figures(CLASSIC, exchange)
     assert told.latency_clocks == page_row("core.md", through) + SPLITTER_CLOCKS
     assert told.period_clocks == page_row("core.md", period)
+
+
+@pytest.mark.parametrize(
+    ("gateware", "exchange"),
+    [(CLASSIC, read_many(LONGEST_READ)), (FRAMED, framed_read_many(LONGEST_READ))],
+    ids=["classic", "framed"],
+)
+def test_the_longest_read_of_an_experiment_is_answered(gateware: str, exchange: Exchange) -> None:
+    wire = VirtualLink(FT245_ASYNC, GATEWARES[gateware]())
+    wire.send(exchange.request(0))
+    wire.wait(exchange.reply_bytes)
 
 
 def test_framed_clocks_are_those_of_the_page() -> None:

@@ -21,6 +21,7 @@ from .exchange import EPOCH, SPEC, frame, plain_client
 CLOCK_HZ = 50_000_000
 BASE_HZ = 961  # the base frequency; with it, each publish comes at another place within a microframe
 FIFO_LATENCY = 2  # clocks that a byte takes through the FIFO, each way
+LONGEST_READ = 255  # words that an experiment reads with one request: as many as the protocol can ask for
 _LARGE = 1 << 16  # depth of the FIFO in bytes if `fifo` is 0
 _IN_FLIGHT_CLOCKS = 16  # from the read of a word to its first byte
 _QUIET_CLOCKS = 2500  # longer than our core needs before or within any answer; a list of 60 words takes 1700
@@ -211,7 +212,13 @@ def _compiled(fifo: int) -> tuple[BoardConfiguration, Any]:
     spec = compile_text(SPEC.encode(), "experiment.ul").spec
     assert spec is not None
     configuration = BoardConfiguration.for_spec(
-        spec, clock_hz=CLOCK_HZ, base_hz=BASE_HZ, protocol="both", fifo=fifo, fifo_latency=FIFO_LATENCY
+        spec,
+        clock_hz=CLOCK_HZ,
+        base_hz=BASE_HZ,
+        protocol="both",
+        fifo=fifo,
+        fifo_latency=FIFO_LATENCY,
+        read_many=LONGEST_READ,
     )
     return configuration, build_model(design_of(spec, configuration))
 

@@ -26,7 +26,7 @@ from .exchange import (
     read_many,
     write,
 )
-from .gateware import CLASSIC, CLOCK_HZ, FRAMED, GATEWARES
+from .gateware import CLASSIC, CLOCK_HZ, FRAMED, GATEWARES, LONGEST_READ
 from .link_parameters import FT245_ASYNC, FT245_SYNC, LINKS, LinkParameters, assumptions
 from .low_level import read_burst, synchronous_s, write_burst
 from .model_figures import LONG_BURST_REQUESTS, model_figures
@@ -245,8 +245,15 @@ def _write_bursts() -> list[dict[str, Any]]:
 
 def _link_rows(link: LinkParameters, *, quick: bool) -> list[dict[str, Any]]:
     """Latencies of one link: when the chip waits for its timer, and when something makes it send."""
-    classic = [read(), read(checked=True), write(), write(checked=True), read_many(32), read_many(255)]
-    framed = [framed_read(), framed_write(), framed_read_many(32), framed_read_many(255)]
+    classic = [
+        read(),
+        read(checked=True),
+        write(),
+        write(checked=True),
+        read_many(32),
+        read_many(LONGEST_READ),
+    ]
+    framed = [framed_read(), framed_write(), framed_read_many(32), framed_read_many(LONGEST_READ)]
     cases: list[tuple[str, int, list[Exchange]]] = [
         ("2012", 16, classic),
         ("2012", 256, classic),
