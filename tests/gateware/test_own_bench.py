@@ -48,3 +48,8 @@ def test_bench_of_the_page(ghdl: Any, tmp_path: Path, last: str) -> None:
             own.run("blinker_tb", clocks=clocks)
     else:
         own.refuse("blinker_tb", "led after a blink", clocks=5)
+
+
+@pytest.mark.parametrize(("address_bits", "data_bits"), [(16, 32), (8, 8)])
+def test_the_host_of_benches(ghdl: Any, address_bits: int, data_bits: int) -> None:
+    ghdl.run("uart_host_tb", address_bits=address_bits, data_bits=data_bits)

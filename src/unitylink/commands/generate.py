@@ -20,7 +20,9 @@ from .root_option import part_of, root_option
     help="Where to write (here); made if it does not exist.",
 )
 @click.option(
-    "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1, ros2."
+    "--only",
+    metavar="ARTEFACT[,...]",
+    help="Make these: python (the default), vhdl, bench (of your logic), json, html, ros1, ros2.",
 )
 @click.option(
     "--physical",
@@ -69,7 +71,8 @@ def command(
     Examples:
       unitylink generate arm.ul
       unitylink generate arm.ul --out build --only python,vhdl
-      unitylink generate arm.ul --out build --only vhdl --physical ft245_async
+      unitylink generate arm.ul --out build --only vhdl,bench
+    unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate two_arms.ul --out build --only vhdl --root left_arm
       unitylink generate arm.ul --check
     """

@@ -7,7 +7,7 @@ from .ghdl import Ghdl
 from .netlist import netlist
 from .ports import Port, ports_of
 from .programs import find_program, map_cells, run_tool
-from .sources import gateware_folder, gateware_sources
+from .sources import gateware_folder, gateware_sources, simulation_sources
 
 __all__ = [
     "Ghdl",
@@ -19,4 +19,5 @@ __all__ = [
     "netlist",
     "ports_of",
     "run_tool",
+    "simulation_sources",
 ]

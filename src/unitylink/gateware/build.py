@@ -17,25 +17,31 @@ from unitylink.errors import ToolError
 from .ghdl import Ghdl
 from .netlist import netlist
 from .programs import map_cells
-from .sources import gateware_sources
+from .sources import gateware_sources, simulation_sources
 
 # Checks that are for a simulation. A chip has none of them, and yosys does not read them.
 _ASSERTION = re.compile(r"^  always @\*\n    if \(!\w+\)\n      \$fatal\(1, \"[^\"]*\"\);\n", re.MULTILINE)
-_USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOLDER FILE.vhd ..."
+_USAGE = "usage: python -m unitylink.gateware.build check|test|verilog|FAMILY TOP FOLDER FILE.vhd ..."
 
 
 def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[Path]:
     """Do `target` for the entity `top`, with `sources` and the gateware. Return the files made in `folder`.
 
-    "check" analyses everything and elaborates `top`. "verilog" makes TOP.v. A family of yosys (ice40, ecp5,
-    gowin, xilinx, ...) makes TOP.v and TOP.json, which its place-and-route reads. Raises ToolError.
+    "check" analyses everything and elaborates `top`. "test" runs it as a bench. "verilog" makes TOP.v. A
+    family of yosys (ice40, ecp5, gowin, xilinx, ...) makes TOP.v and TOP.json, which its place-and-route
+    reads. Raises ToolError.
     """
-    if target == "check":
+    if target in ("check", "test"):
+        every = [*gateware_sources(), *simulation_sources(), *(path.resolve() for path in sources)]
         with tempfile.TemporaryDirectory(prefix="unitylink-build-") as work:
-            Ghdl(Path(work), [*gateware_sources(), *(path.resolve() for path in sources)]).make(top)
+            ghdl = Ghdl(Path(work), every)
+            if target == "check":
+                ghdl.make(top)
+            else:
+                print(ghdl.run(top), end="")
         return []
     if not re.fullmatch(r"[a-z0-9]+", target):
-        raise ToolError(f"{target!r} is neither check, verilog nor a family of yosys such as ice40")
+        raise ToolError(f"{target!r} is neither check, test, verilog nor a family of yosys such as ice40")
     folder.mkdir(parents=True, exist_ok=True)
     verilog = folder / f"{top}.v"
     verilog.write_text(_ASSERTION.sub("", netlist(top, sources=sources)), encoding="utf-8")

@@ -14,11 +14,15 @@ def gateware_folder() -> Path:
 
 
 def gateware_sources() -> tuple[Path, ...]:
-    """Return every VHDL file of the gateware except benches and proofs, by name. GHDL finds the order
-    itself."""
+    """Return every VHDL file of the gateware that can become logic, by name. GHDL finds the order itself."""
     folder = gateware_folder()
     return tuple(
         path
         for path in sorted(folder.rglob("*.vhd"))
-        if path.relative_to(folder).parts[0] not in ("test", "formal")
+        if path.relative_to(folder).parts[0] not in ("simulation", "test", "formal")
     )
+
+
+def simulation_sources() -> tuple[Path, ...]:
+    """Return the VHDL files that benches of users stand on: the PC's side in a simulation."""
+    return tuple(sorted((gateware_folder() / "simulation").glob("*.vhd")))

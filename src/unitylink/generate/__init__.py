@@ -21,6 +21,7 @@ from unitylink.output_file import replace_file
 from unitylink.spec.collector import collector_paused
 from unitylink.spec.model import Spec
 
+from .bench import bench_files
 from .html import html_files
 from .json import json_files
 from .python import python_files
@@ -66,6 +67,7 @@ ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
     {
         "python": Artefact(python_files),
         "vhdl": Artefact(vhdl_files, gateware=True),
+        "bench": Artefact(bench_files, gateware=True),
         "json": Artefact(json_files),
         "html": Artefact(html_files),
         "ros1": Artefact(ros1_files),

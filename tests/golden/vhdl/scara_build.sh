@@ -8,21 +8,28 @@
 #
 #   sh scara_build.sh files                          the VHDL files of the design
 #   sh scara_build.sh check [TOP FILE.vhd ...]       GHDL analyses all and elaborates TOP
+#   sh scara_build.sh test [BENCH FILE.vhd ...]      GHDL runs a bench, which reports `BENCH: passed` at its end
 #   sh scara_build.sh verilog [TOP FILE.vhd ...]     a netlist for any tool: build/TOP.v
 #   sh scara_build.sh ice40 [TOP FILE.vhd ...]       yosys maps it on a family: build/TOP.json
 #
-# TOP is a top level of your own, in one of your files; without it scara_top is taken. PYTHON names the Python that
+# TOP is a top level of your own, in one of your files; without it scara_top is taken. BENCH is a bench of your
+# own; without it scara_bench is taken, which `unitylink generate --only bench` makes. PYTHON names the Python that
 # has unitylink, OUT another folder than build.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 python=${PYTHON:-python3}
-target=${1:?files, check, verilog, or a family of yosys such as ice40}
+target=${1:?files, check, test, verilog, or a family of yosys such as ice40}
 shift
 if [ "$target" = files ]; then
   "$python" -c 'from unitylink.gateware import gateware_sources; print(*gateware_sources(), sep="\n")'
   ls "$here"/scara_*.vhd
   exit
 fi
-top=${1:-scara_top}
+kind=top
+[ "$target" != test ] || kind=bench
+top=${1:-scara_$kind}
 [ $# = 0 ] || shift
+if [ "$target" = test ]; then
+  set -- "$here"/../bench/scara_*.vhd "$@"
+fi
 exec "$python" -m unitylink.gateware.build "$target" "$top" "${OUT:-build}" "$here"/scara_*.vhd "$@"

@@ -20,7 +20,7 @@ IEEE_NAMES = {"rising_edge", "falling_edge", "to_unsigned", "to_signed", "to_int
 IEEE_NAMES |= {"to_01", "shift_left", "shift_right", "to_bit", "to_stdulogic", "to_string", "to_hstring"}
 IEEE_NAMES |= {"std_logic", "bit", "integer", "natural", "positive", "boolean", "real"}
 # kind of a value -> array of bits, with a range of `width` bits
-_ARRAYS = {
+ARRAYS = {
     "uint": "unsigned",
     "int": "signed",
     "float": "std_ulogic_vector",
@@ -79,7 +79,7 @@ class ValueTypes:
             if kind not in self._declared:
                 self._declared[kind] = self._packed(kind)
             return self._declared[kind]
-        base = _ARRAYS.get(kind.kind, "std_ulogic_vector")
+        base = ARRAYS.get(kind.kind, "std_ulogic_vector")
         part = Part(Vhdl(""), base, 0, width - 1)
         if kind.enum is not None:
             if kind not in self._declared:
