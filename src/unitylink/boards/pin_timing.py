@@ -82,7 +82,7 @@ def pin_constraints(
         given = [inputs[name] for name in timing.given if name in inputs]
         wanted = [outputs[name] for name in timing.wanted if name in outputs]
         bound |= {timing.clock, *(port.name for port in (*given, *wanted))}
-        lines.append(Tcl.of("# {}.", Tcl(timing.source)))
+        lines.append(Tcl.of("# {}.", Tcl.remark(timing.source)))
         if timing.clock in inputs:
             lines += _clocked(timing, inputs[timing.clock], given, wanted)
         elif not timing.clock:
@@ -108,9 +108,8 @@ def _clocked(timing: PinTiming, clock: Port, given: Iterable[Port], wanted: Iter
         ("output", Tcl(""), "min", -after, wanted),
         ("output", Tcl(""), "max", before, wanted),
     )
-    pattern = "set_{}_delay -clock {}{} -{} {} {}"
     return [_clock(clock, timing.clock_hz)] + [
-        Tcl.of(pattern, way, timing.clock, turned, bound, Tcl(f"{ns:g}"), _ports(ports))
+        Tcl.of("set_{}_delay -clock {}{} -{} {:g} {}", way, timing.clock, turned, bound, ns, _ports(ports))
         for way, turned, bound, ns, ports in delays
     ]
 
@@ -120,15 +119,16 @@ def _unclocked(
 ) -> list[Tcl]:
     only = Tcl(" -datapath_only") if datapath_only else Tcl("")
     (inwards,), (outwards,) = timing.given_ns, timing.wanted_ns
-    pattern = "set_max_delay{} -from {} -to {} {}"
     return [
-        Tcl.of(pattern, only, _ports(given), Tcl("[all_registers]"), Tcl(f"{inwards:g}")),
-        Tcl.of(pattern, only, Tcl("[all_registers]"), _ports(wanted), Tcl(f"{outwards:g}")),
+        Tcl.of("set_max_delay{} -from {} -to {} {:g}", only, _ports(given), Tcl("[all_registers]"), inwards),
+        Tcl.of(
+            "set_max_delay{} -from {} -to {} {:g}", only, Tcl("[all_registers]"), _ports(wanted), outwards
+        ),
     ]
 
 
 def _clock(port: Port, hz: int) -> Tcl:
-    return Tcl.of("create_clock -name {} -period {} {}", port.name, Tcl(f"{1e9 / hz:.3f}"), _ports([port]))
+    return Tcl.of("create_clock -name {} -period {:.3f} {}", port.name, 1e9 / hz, _ports([port]))
 
 
 def _ports(ports: Iterable[Port]) -> Tcl:

@@ -136,7 +136,7 @@ def _value(access: Access, raw: int) -> Vhdl:
 def _literal(part: Part, raw: int) -> Vhdl:
     """Return the bits of a raw value that a part of it has."""
     if part.base == "std_ulogic":
-        return Vhdl("'1'" if raw >> part.low & 1 else "'0'")
+        return Vhdl("'1'") if raw >> part.low & 1 else Vhdl("'0'")
     return _bits(raw >> part.low, part.high - part.low + 1)
 
 
