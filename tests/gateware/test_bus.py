@@ -57,6 +57,11 @@ def test_axi_lite_slave(ghdl: Any, stalls: int, seed: int) -> None:
     ghdl.run("axi_lite_slave_tb", stalls=stalls, seed=seed)
 
 
+@pytest.mark.parametrize(("masters", "pauses", "seed"), [(1, 30, 1), (2, 0, 2), (3, 30, 3), (3, 0, 4)])
+def test_wishbone_arbiter(ghdl: Any, masters: int, pauses: int, seed: int) -> None:
+    ghdl.run("wishbone_arbiter_tb", masters=masters, pauses=pauses, seed=seed)
+
+
 @pytest.mark.parametrize(("lines", "seed"), [(1, 1), (5, 2), (30, 3)])
 def test_interrupt_slave(ghdl: Any, lines: int, seed: int) -> None:
     ghdl.run("interrupt_slave_tb", lines=lines, seed=seed)

@@ -71,6 +71,23 @@ BLOCKS = (
         ),
     ),
     Block(
+        "wishbone_arbiter",
+        "`bus/wishbone_arbiter`, three masters",
+        depth=10,
+        pdr=True,
+        not_proven="other numbers of masters: the bench has one to three",
+        mutants=(
+            Mutant(
+                "wishbone_arbiter.vhd", "found     := taken = '1';", "found := masters_m2s(last).cyc = '1';"
+            ),
+            Mutant(
+                "wishbone_arbiter.vhd", "taken <= masters_m2s(now).cyc;", "taken <= masters_m2s(now).stb;"
+            ),
+            Mutant("wishbone_arbiter.vhd", "candidate := last;", "candidate := masters - 1;"),
+            Mutant("wishbone_arbiter.vhd", "masters_s2m(master).err <= '0';", "null;"),
+        ),
+    ),
+    Block(
         "wishbone_memory",
         "`bus/wishbone_memory`, 4 words of 8 bits",
         depth=10,
