@@ -87,9 +87,13 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- Each master has its own addresses.
+  -- Master 0 has addresses of its own.
   marked_0 : assume always m2s_0.adr(1 downto 0) = "00";
+
+  -- Master 1 has addresses of its own.
   marked_1 : assume always m2s_1.adr(1 downto 0) = "01";
+
+  -- Master 2 has addresses of its own.
   marked_2 : assume always m2s_2.adr(1 downto 0) = "10";
 
   -- The bus has all that one of the masters says, and nothing else.
