@@ -9,7 +9,7 @@
 -- Turn      A master has the bus from the clock in which its cyc rises, if the bus is free, until its cyc falls. So a
 --           block of accesses stays indivisible. Then it is the turn of the next one that waits, in the order of their
 --           numbers, and behind the last comes the first. So a master waits for at most one turn of each other.
--- Latency   None: a master that finds the bus free has it in the same clock. Between two turns cyc is low for one clock,
+-- Latency   None: a master that finds the bus free has it in the same clock. Between two turns cyc is low for a clock,
 --           because slaves that keep one moment, or that wait, must see that a block is over.
 -- Errors    None of its own. A master that never lowers cyc keeps the bus: wishbone_master and axi_lite_slave have a
 --           timeout.
