@@ -15,7 +15,7 @@ SHOULDER, UPPER, FORE, HAND = 0.317, 0.45, 0.48, 0.13
 BASES = np.array([[0.0, 0.45, 0.0], [0.0, -0.45, 0.0]])  # for the left and the right arm
 REST = np.array([0.0, 0.5, 0.0, 1.4, 0.0, 0.8, 0.0])
 RADIUS, CENTRE_Z = 0.14, 0.62
-HANDS_APART = 0.1  # in m, while they go around
+HANDS_APART = 0.1  # in m, while the hands go around the circle
 
 
 def points(joints: Array) -> Array:

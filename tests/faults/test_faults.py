@@ -77,7 +77,7 @@ def test_the_same_seed_gives_the_same_history_on_any_machine() -> None:
 def test_all_is_as_before_after_the_faults(profile: str, protocol: str, window: int) -> None:
     """On the virtual clock, 50 ms after the last fault, the rate is 95 % of the rate before the first fault.
 
-    Behind a lying device, this counts from four timeouts later. No operation that begins after that fails.
+    Behind a lying device, the 50 ms begin four timeouts later. No operation that begins after them fails.
 
     With a window of 1, the rates of one history differ by 5 % because of their kinds of requests. So the
     median of three counts.

@@ -39,7 +39,7 @@ SMALL: Mapping[str, int | str | bool] = {
 # The default settings of a spec, framed. The remedies of unitylink.boards.fit are measured on it.
 SHIPPED = {**SMALL, "protocol": "framed", "groups": 4, "group_size": 32, "exchange_size": 30}
 
-# Without what the small engine does not have.
+# The core without the features that the small engine lacks.
 SMALL_ENGINE = {
     "protocol": "framed",
     "publish_mode": 0,

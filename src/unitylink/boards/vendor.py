@@ -60,7 +60,9 @@ class Project:
 
 
 def write_project(order: VendorOrder) -> list[Path]:
-    """Write the generated VHDL, the project script and the constraints. Return the files of the last two.
+    """Write the generated VHDL, the project script and the constraints.
+
+    Return the paths of the script and the constraints.
 
     Raises BoardError for an unknown vendor or port.
     """

@@ -352,8 +352,7 @@ def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
 def _read_many_of(spec: Spec) -> int:
     """Return the words of a classic read-many.
 
-    It can read, at one moment, everything in the largest device that may be read again, up to the protocol's
-    limit.
+    One read-many takes all words of the largest device that may be polled, up to the protocol's limit.
     """
     words = [sum(e.words for e in root.walk() if e.pollable) for root in spec.roots]
     return min(max([LEAST_READ_MANY, *words]), READ_MANY_MAX)

@@ -24,7 +24,7 @@ class Line:
     def up(self) -> bool:
         """Whether requests are accepted.
 
-        They are not while the line is gone (`reconnect=1`), nor after the end.
+        No request is accepted while the line is gone (`reconnect=1`), nor after the end.
         """
         return not self._native.closed and not self._native.trouble
 

@@ -87,7 +87,7 @@ class ReadValue(Value[T]):
     ) -> Callable[[], None]:
         """Start publishing, and call `callback(time_s, value)` at each publish.
 
-        Return a function that ends this.
+        Return a function that stops it.
 
         A value without PUBLISH in the spec needs `rate_hz`. The PC then polls it. `time_s` is monotonic host
         time. The callback runs in the link's callback thread. An exception in it is logged and does not stop

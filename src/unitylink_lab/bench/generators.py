@@ -61,7 +61,7 @@ def _outputs() -> str:
 def _command(folder: Path, registers: int) -> list[str]:
     """Write a spec of `registers` registers.
 
-    Return the command that makes all outputs of it, but for the output folder.
+    Return the command that makes all its outputs. The caller adds the output folder.
     """
     spec = folder / "flat.ul"
     spec.write_text(flat_spec(registers), encoding="utf-8")

@@ -17,7 +17,7 @@ from .virtual_link import VirtualLink
 SEND_IMMEDIATE = ("never", "publishes", "all")
 WORDS = 4
 _DURATION_S = 0.03
-_FIRST = 2  # the answers to the requests hold up so many publishes
+_FIRST = 2  # the answers to the requests delay this many publishes, which are left out
 
 
 @dataclass(frozen=True)

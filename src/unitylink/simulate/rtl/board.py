@@ -43,8 +43,8 @@ class RtlBoard(Board):
     Words have one writer, as on an FPGA. A plant sets the words that the PC reads, and the PC sets the
     others.
 
-    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). Then this design,
-    or a `plant`, contains what moves behind the words. By default it has no plant.
+    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). Then what
+    moves behind the words is in this design or in a `plant`. By default there is no plant.
 
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
     generated design cannot have what the configuration asks for), and everything that Board raises.

@@ -28,7 +28,7 @@ MAX_ITEMS = 40_000
 MAX_DEPTH = 64
 
 _ENOUGH = 10**9  # larger sizes are not counted exactly
-_CHEAP = 16  # so many names or parts of a string cost less than one item
+_CHEAP = 16  # this many names or parts of a string count as one item
 _K = TypeVar("_K", bound=Hashable)
 
 
