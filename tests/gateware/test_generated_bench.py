@@ -27,8 +27,11 @@ public wide() {
 """
 
 
+SLOW = {"clock_hz": 24_000_000, "baud_hz": 3_000_000}  # the fewest clocks a bit, for the simulation's sake
+
+
 def run(spec: Spec, folder: Path, bench: str = "", *own: str, **settings: Any) -> None:
-    write_files(planned_files(SpecPlan(spec, settings), ["vhdl", "bench"]), folder)
+    write_files(planned_files(SpecPlan(spec, {**SLOW, **settings}), ["vhdl", "bench"]), folder)
     made = sorted(folder.glob("*/*.vhd"))
     build("test", bench or f"{spec.name}_bench", folder, [*made, *(folder / name for name in own)])
 
@@ -53,7 +56,7 @@ def test_arrays_fields_and_types(protocol: str, tmp_path: Path) -> None:
     ],
 )
 def test_what_is_wrong_is_found(file: str, right: str, wrong: str, found: str, tmp_path: Path) -> None:
-    files = planned_files(SpecPlan(RIG), ["vhdl", "bench"])
+    files = planned_files(SpecPlan(RIG, SLOW), ["vhdl", "bench"])
     write_files(files, tmp_path)
     path = tmp_path / "vhdl" / f"rig_{file}_pkg.vhd"
     text = path.read_text()
@@ -94,12 +97,13 @@ architecture bench of publishes is
   signal events  : std_ulogic_vector(3 downto 0) := "0000";
   signal to_pc   : wide_to_pc_t;
 begin
-  clock <= not clock after 10 ns when not done;
+  clock <= not clock after 0.5 sec / 24_000_000 when not done;
   pc : entity work.uart_host
+    generic map (baud_hz => 3_000_000)
     port map (
       rx_line => from_board, tx_line => to_board, request => request, reply => reply, publish => publish);
   board : entity work.wide_top
-    generic map (baud_hz => 1_000_000)
+    generic map (clock_hz => 24_000_000, baud_hz => 3_000_000)
     port map (clock => clock, rx_line => to_board, tx_line => from_board, to_pc => to_pc, events => events);
   test : process is
     variable count : unsigned(63 downto 0);
