@@ -99,6 +99,7 @@ def f() -> None:
 
     The sixth comes after them.
     """
+    # pragma: no sentence, although it has many words
 '''
 
 VHDL = """-- SPDX-License-Identifier: BSD-3-Clause

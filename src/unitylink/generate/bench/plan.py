@@ -52,7 +52,7 @@ class Trial:
     access: Access
     raw: Vhdl
     before: tuple[Vhdl, ...]
-    after: tuple[tuple[Vhdl, Vhdl], ...]  # what there is, what there must be
+    after: tuple[tuple[Vhdl, Vhdl], ...]  # the value there, the value that must be there
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Bench:
 
     @property
     def answered(self) -> Access | None:
-        """What is read where nothing can be tried: that the board answers is the least."""
+        """The value that the bench reads if it can try nothing, so that it at least sees an answer."""
         readable = (access for access in self.accesses if access.reads)
         return None if self.reads or self.writes else next(readable, None)
 
@@ -134,7 +134,7 @@ def _value(access: Access, raw: int) -> Vhdl:
 
 
 def _literal(part: Part, raw: int) -> Vhdl:
-    """Return the bits of a raw value that a part of it has."""
+    """Return the bits of `part` in a raw value."""
     if part.base == "std_ulogic":
         return Vhdl("'1'") if raw >> part.low & 1 else Vhdl("'0'")
     return _bits(raw >> part.low, part.high - part.low + 1)
