@@ -62,6 +62,15 @@ def test_wishbone_arbiter(ghdl: Any, masters: int, pauses: int, seed: int) -> No
     ghdl.run("wishbone_arbiter_tb", masters=masters, pauses=pauses, seed=seed)
 
 
+@pytest.mark.parametrize(
+    ("master_period_ps", "slave_period_ps"),
+    [(20_000, 16_667), (20_000, 83_000), (50_000, 3_100), (10_000, 10_000)],
+)
+def test_wishbone_crossing(ghdl: Any, master_period_ps: int, slave_period_ps: int) -> None:
+    settings = {"master_period_ps": master_period_ps, "slave_period_ps": slave_period_ps}
+    ghdl.run("wishbone_crossing_tb", seed=slave_period_ps, **settings)
+
+
 @pytest.mark.parametrize(("lines", "seed"), [(1, 1), (5, 2), (30, 3)])
 def test_interrupt_slave(ghdl: Any, lines: int, seed: int) -> None:
     ghdl.run("interrupt_slave_tb", lines=lines, seed=seed)

@@ -95,6 +95,14 @@ def make_design(folder: Path, physical: str) -> Netlist:
     return Netlist(netlist(top, sources=sources, assertions=False), top, folder)
 
 
+def test_a_bus_between_two_clocks_takes_nothing_unsynchronised(tmp_path: Path) -> None:
+    verilog = netlist("wishbone_crossing", assertions=False)
+    sides = {f"{side}_clock": (f"{side}_m2s", f"{side}_s2m", f"{side}_reset") for side in ("master", "slave")}
+    found = Netlist(verilog, "wishbone_crossing", tmp_path)
+    assert not complaints(found, Bounds(sides))
+    assert any(Bounds(sides).foreign(register) for register in found.registers)
+
+
 @pytest.mark.parametrize("physical", LAYERS)
 def test_a_design_takes_nothing_unsynchronised(physical: str) -> None:
     found = design(physical)

@@ -88,6 +88,19 @@ BLOCKS = (
         ),
     ),
     Block(
+        "wishbone_crossing",
+        "`bus/wishbone_crossing`, two clocks of any ratio; depths in half clocks",
+        depth=6,
+        deep=28,
+        several_clocks=True,
+        not_proven="resets, timeouts, a master that gives up, the ends of blocks: the bench tests them",
+        mutants=(
+            Mutant("wishbone_crossing.vhd", "if done_seen = asked then", "if true then"),
+            Mutant("wishbone_crossing.vhd", "answer_crossed <= answer_held;", "null;"),
+            Mutant("wishbone_crossing.vhd", "if asked_seen /= done then", "if true then"),
+        ),
+    ),
+    Block(
         "wishbone_memory",
         "`bus/wishbone_memory`, 4 words of 8 bits",
         depth=10,
