@@ -55,7 +55,7 @@ def test_from_vhdl_to_cells(blinker: Path, tmp_path: Path, capsys: pytest.Captur
 
 
 def test_what_is_wrong_is_told(blinker: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(ToolError, match="'ice40; rm' is neither check, verilog nor a family"):
+    with pytest.raises(ToolError, match="'ice40; rm' is neither check, test, verilog nor a family"):
         build("ice40; rm", "blinker", tmp_path, [blinker])
     with pytest.raises(ToolError, match=r"there is no such VHDL file"):
         build("check", "blinker", tmp_path, [tmp_path / "absent.vhd"])
