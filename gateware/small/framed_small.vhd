@@ -34,7 +34,8 @@ use work.small_program_pkg.all;
 entity framed_small is
   generic (
     settings : settings_t := core_settings(  -- docs/settings.md
-      protocol => protocol_framed, publish_mode => 0, lists => false, exchanges => 0, window => 8)
+      protocol => protocol_framed, publish_mode => 0, lists => false, exchanges => 0, window => 8);
+    clock_start : natural range 0 to 65535 := 0  -- of the clock after a reset; for benches, which see it turn soon
   );
   port (
     clock             : in  std_ulogic;
@@ -89,7 +90,7 @@ architecture rtl of framed_small is
   signal goes, ends            : std_ulogic;
 
   signal crc     : crc16_t := (others => '0');
-  signal clocks  : unsigned(15 downto 0) := (others => '0');
+  signal clocks  : unsigned(15 downto 0) := to_unsigned(clock_start, 16);
   signal turned, overran : std_ulogic := '0';
 
   signal word         : word32_t := (others => '0');
@@ -252,7 +253,7 @@ begin
         turned <= '0';
       end if;
       if reset = '1' then
-        clocks <= (others => '0');
+        clocks <= to_unsigned(clock_start, 16);
         turned <= '0';
       end if;
     end if;

@@ -32,7 +32,7 @@ LINE = 40  # clocks of a byte on the fastest line that the engine is made for
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed_small.md"
 
 
-@pytest.mark.parametrize("bench", ["byte_processor_tb", "framed_small_tb"])
+@pytest.mark.parametrize("bench", ["byte_processor_tb", "framed_small_tb", "small_clock_tb"])
 def test_bench(ghdl: Any, bench: str) -> None:
     ghdl.run(bench)
 
