@@ -14,6 +14,7 @@ use work.bii_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
 use work.settings_pkg.all;
+use work.stream_bench_pkg.all;
 use work.subscription_pkg.all;
 
 entity framed_tb is
@@ -128,11 +129,8 @@ begin
   play : process
 
     procedure send (data : std_ulogic_vector) is
-      constant bytes : std_ulogic_vector(0 to data'length - 1) := data;
     begin
-      for index in 0 to data'length / 8 - 1 loop
-        send(clock, frame_valid, frame_ready, frame_data, bytes(8 * index to 8 * index + 7));
-      end loop;
+      send_all(clock, frame_valid, frame_ready, frame_data, data);
     end procedure;
 
     variable expected : natural := 0;
@@ -140,10 +138,7 @@ begin
     procedure wait_frames (count : positive) is
     begin
       expected := expected + count;
-      while frames < expected loop
-        wait until rising_edge(clock);
-      end loop;
-      wait for 1 ns;
+      wait_count(clock, frames, expected);
     end procedure;
 
     -- The last bytes sent.

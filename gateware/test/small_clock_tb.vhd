@@ -11,6 +11,7 @@ library ieee;
 use work.bench_pkg.all;
 use work.bii_pkg.all;
 use work.settings_pkg.all;
+use work.stream_bench_pkg.all;
 
 entity small_clock_tb is
   generic (
@@ -58,22 +59,13 @@ begin
         dead_man_request => open, bii_request => open, bii_response => bii_response_idle);
 
     play : process
-
-      procedure send (data : std_ulogic_vector) is
-        constant bytes : std_ulogic_vector(0 to data'length - 1) := data;
-      begin
-        for index in 0 to data'length / 8 - 1 loop
-          send(clock, frame_valid, frame_ready, frame_data, bytes(8 * index to 8 * index + 7));
-        end loop;
-      end procedure;
-
       variable code, place : natural := 0;
       variable time_low    : unsigned(31 downto 0) := (others => '0');
     begin
       wait until falling_edge(clock) and reset = '0';
-      send(x"80030101FA928300");
+      send_all(clock, frame_valid, frame_ready, frame_data, x"80030101FA928300");
       wait until rising_edge(clock) and wire_valid = '1' and wire_last = '1';
-      send(x"81010401123401A1DF8200");
+      send_all(clock, frame_valid, frame_ready, frame_data, x"81010401123401A1DF8200");
       -- OPEN's answer: kind, COBS of the epoch (2) and the clock (4)
       wait until rising_edge(clock) and wire_valid = '1';
       check_equal(wire_data, x"D1", "OPEN is answered");

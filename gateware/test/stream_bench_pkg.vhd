@@ -24,6 +24,18 @@ package stream_bench_pkg is
     reply           : in  string
   );
 
+  -- Sends each byte of `data`, the leftmost first.
+  procedure send_all (
+    signal clock : in  std_ulogic;
+    signal valid : out std_ulogic;
+    signal ready : in  std_ulogic;
+    signal lane  : out std_ulogic_vector(7 downto 0);
+    data         : in  std_ulogic_vector
+  );
+
+  -- Waits until `counted`, for instance of frames, is at least `most`, and lets signals settle.
+  procedure wait_count (signal clock : in std_ulogic; signal counted : in natural; most : in natural);
+
   -- Sends the first `bits` of `give`, and receives as many. The chip select is the caller's.
   procedure spi_exchange (
     signal sck  : out std_ulogic;
@@ -70,6 +82,28 @@ package body stream_bench_pkg is
       end if;
     end loop;
     report request & " was not answered" severity failure;
+  end procedure;
+
+  procedure send_all (
+    signal clock : in  std_ulogic;
+    signal valid : out std_ulogic;
+    signal ready : in  std_ulogic;
+    signal lane  : out std_ulogic_vector(7 downto 0);
+    data         : in  std_ulogic_vector
+  ) is
+    constant bytes : std_ulogic_vector(0 to data'length - 1) := data;
+  begin
+    for index in 0 to data'length / 8 - 1 loop
+      send(clock, valid, ready, lane, bytes(8 * index to 8 * index + 7));
+    end loop;
+  end procedure;
+
+  procedure wait_count (signal clock : in std_ulogic; signal counted : in natural; most : in natural) is
+  begin
+    while counted < most loop
+      wait until rising_edge(clock);
+    end loop;
+    wait for 1 ns;
   end procedure;
 
   procedure spi_exchange (
