@@ -15,13 +15,13 @@ use work.stream_bench_pkg.all;
 
 entity small_clock_tb is
   generic (
-    first_start : natural := 62870  -- of the first device: it reads its clock just before the turn
+    first_start : natural := 62876  -- of the first device: it reads its clock just before the turn
   );
 end entity;
 
 architecture bench of small_clock_tb is
 
-  constant devices   : positive := 24;
+  constant devices   : positive := 12;
   constant turn      : positive := 65536;
   constant turn_late : positive := 8;    -- clocks behind the turn at which at least one device reads
   constant again     : positive := 600;  -- clocks in which a device counts the turn and begins the request anew
@@ -96,7 +96,7 @@ begin
     before := told(0) - first_start;  -- clocks from the reset to the reading
     check(told(0) < turn and first_start + devices - 1 + before >= turn + turn_late,
       "the devices read their clocks around the turn: choose first_start so that " & integer'image(told(0))
-      & " becomes " & integer'image(turn - 8));
+      & " becomes " & integer'image(turn - 2));
     for number in 1 to devices - 1 loop
       late := told(number) - (first_start + number) - before;
       check(late = 0 or (told(number) >= turn and late < again), "device " & integer'image(number) & " tells "

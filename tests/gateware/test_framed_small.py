@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from reference import dead_man_session
 from reference.bus import Bus
+from reference.dead_man_session import SAFE
 from reference.device import ReferenceDevice
 from reference.framing import Frame, field
 from reference.host import EPOCH, ask, frames_of, opening, without_clock
@@ -24,7 +26,6 @@ from reference.small_engine import small_settings
 from unitylink import protocol as p
 from unitylink.interface.board_configuration import BoardConfiguration
 
-SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
 BAD = 0x38  # four addresses answer with an error, and the next four do not answer
 SILENCE = 3000  # clocks; longer than any pause within the answers to a step
 TICK = 5000  # clocks
@@ -135,42 +136,9 @@ def test_the_clock_counts_beyond_its_bits_in_hardware(rtl: Any) -> None:
 
 def test_the_dead_man_at_its_tick(rtl: Any) -> None:
     settings = small_settings(base_hz=50_000_000 // TICK, safe=SAFE)
-    ticks, arm = p.CONTROL_DEADMAN_TICKS, p.CONTROL_ARM
-    steps = [
-        opening(),
-        ask(p.REQUEST_KIND_WRITE, (0, 2), (0x11, 2), (9, 4)),
-        ask(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (ticks, 2), (4, 4)),
-        ask(p.REQUEST_KIND_READ_CONTROL, (2, 2), (arm, 2), (1, 1)),
-        ("wait", 5 * TICK),
-        ask(p.REQUEST_KIND_READ_CONTROL, (3, 2), (ticks, 2), (2, 1)),
-        ask(p.REQUEST_KIND_READ, (4, 2), (0x10, 2)) + ask(p.REQUEST_KIND_READ, (5, 2), (0x11, 2)),
-        ask(p.REQUEST_KIND_WRITE, (6, 2), (0x11, 2), (9, 4)),
-        ask(p.REQUEST_KIND_POST, (0, 2), (0x11, 2), (9, 4)) + ask(p.REQUEST_KIND_SYNC, (7, 2)),
-        ask(p.REQUEST_KIND_WRITE_CONTROL, (8, 2), (arm, 2), (1, 4)),
-        ask(p.REQUEST_KIND_WRITE_CONTROL, (9, 2), (ticks, 2), (4, 4)),
-        opening(2),
-        ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (arm, 2), (1, 4)),
-        ask(p.REQUEST_KIND_WRITE, (1, 2), (0x11, 2), (9, 4)),
-        ask(p.REQUEST_KIND_READ_CONTROL, (2, 2), (p.CONTROL_REFUSED, 2), (2, 1)),
-    ]
-    answers = play(rtl, settings, steps)
-    shown = [
-        [(frame.kind - 0xC0, frame.payload[4:].hex()) for frame in frames_of(answer)] for answer in answers
-    ]
-    denied = (p.REPLY_STATUS_DENIED, "")
-    assert shown[1] == shown[2] == [(0, "")]
-    assert shown[3] == [(0, "00000002")], "a frame within its time"
-    assert shown[5] == [(0, "0000000000000001")], "tripped"
-    assert shown[6] == [(0, "00000001"), (0, "ffffffff")], "the safe values"
-    assert shown[7] == [denied]
-    assert shown[8] == [(0, field((1, 2), (1, 2), (0, 2), (p.REPLY_STATUS_DENIED, 1)).hex())]
-    assert shown[9] == shown[10] == [denied], "not in the session in which it tripped"
-    assert shown[12] == shown[13] == [(0, "")]
-    assert shown[14] == [(0, "0000000400000001")], "refused, trips"
-    (strobe,) = [at for kind, at, address in rtl.times if kind == "t" and address == 0x10][:1]
-    heard = [at for kind, at, _ in rtl.times if kind == "i" and at < strobe][-1]
+    answers = play(rtl, settings, dead_man_session.steps(TICK, limit=4))
     late = figures_of_page()["read, last byte in to strobe"]  # the sign of life comes before the strobe
-    assert 3 * TICK < strobe - heard <= 4 * TICK + late + 10, "four ticks behind the last frame"
+    dead_man_session.judge(answers, rtl.times, tick=TICK, limit=4, late=late + 10)
 
 
 def test_a_host_that_reads_nothing_counts_as_alive_while_it_sends(rtl: Any) -> None:
