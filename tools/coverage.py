@@ -29,6 +29,7 @@ RECORD = GATEWARE / "coverage.json"
 PERCENT_LEAST = 95.0
 # tests with these fixtures run a simulator that counts lines
 _RUNS_A_BENCH = re.compile(r"\b(ghdl|rtl)\b: Any")
+_NO_TESTS = 5  # pytest's exit code if no test has a name that fits
 
 
 def digest() -> str:
@@ -44,8 +45,8 @@ def designs() -> set[Path]:
     return {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")}
 
 
-def run_benches(only: list[str]) -> bool:
-    """Run the benches, or all of them if `only` is empty. Return whether all of them passed."""
+def run_benches(only: list[str]) -> str:
+    """Run the benches, or all of them if `only` is empty. Return what went wrong, or ""."""
     subprocess.run(["rm", "-rf", str(COUNTS)], check=True)
     chosen = f"({' or '.join(only)}) and " if only else ""
     options = ["-q", "-n", "2", "-k", f"{chosen}not netlist and not synthesis"]
@@ -53,7 +54,10 @@ def run_benches(only: list[str]) -> bool:
     files = [str(path) for path in sorted(tests.glob("test_*.py")) if _RUNS_A_BENCH.search(path.read_text())]
     command = [sys.executable, "-m", "pytest", *files, *options]
     counting = {**os.environ, "UNITYLINK_COVERAGE": str(COUNTS)}
-    return subprocess.run(command, check=False, env=counting).returncode == 0
+    code = subprocess.run(command, check=False, env=counting).returncode
+    if code == _NO_TESTS:
+        return f"no bench has {' or '.join(only)} in its name"
+    return "a bench failed (see above)" if code else ""
 
 
 def executed() -> dict[Path, dict[int, int]]:
@@ -88,8 +92,8 @@ def main(arguments: list[str]) -> int:
     if arguments not in ([], ["--report"]) and not benches:
         print(__doc__, file=sys.stderr)
         return 2
-    if arguments != ["--report"] and not run_benches(benches):
-        print(f"a bench failed (see above), so {RECORD.name} stays as it was; mend it and run this again")
+    if arguments != ["--report"] and (wrong := run_benches(benches)):
+        print(wrong if benches else f"{wrong}, so {RECORD.name} stays as it was; mend it and run this again")
         return 1
     total = executed()
     absent = designs() - set(total)

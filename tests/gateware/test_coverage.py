@@ -51,3 +51,15 @@ def test_a_bench_that_fails_leaves_the_record(
     assert coverage.main([]) == 1
     assert "a bench failed (see above), so coverage.json stays as it was" in capsys.readouterr().out
     assert record.read_text() == "{}"
+
+
+def test_a_name_that_no_bench_has_is_told(
+    coverage: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stand_in = tmp_path / "python"  # for pytest without a test that has one of the names
+    stand_in.write_text(f"#!/bin/sh\nexit {int(pytest.ExitCode.NO_TESTS_COLLECTED)}\n")
+    stand_in.chmod(0o755)
+    monkeypatch.setattr(coverage.sys, "executable", str(stand_in))
+    monkeypatch.setattr(coverage, "COUNTS", tmp_path / "counts")
+    assert coverage.main(["--benches", "gpoi", "fifo"]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "no bench has gpoi or fifo in its name"
