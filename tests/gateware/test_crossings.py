@@ -113,7 +113,8 @@ def test_a_design_takes_nothing_unsynchronised(physical: str) -> None:
 
 def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
     (tmp_path / "panel.ul").write_text(
-        "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE(); }"
+        "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE();"
+        " pad: gpio(pins=2); wheel: quadrature_encoder(); }"
     )
     order = Wanted(spec_file=str(tmp_path / "panel.ul"), folder=tmp_path)
     plan = SpecPlan(load(order.spec_file), {"protocol": "classic", "publish_mode": 0})
@@ -122,7 +123,8 @@ def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
     sources = [*design_sources(plan.spec, tmp_path), *made.sources]
     found = Netlist(netlist(made.top, sources=sources, assertions=False), made.top, tmp_path)
     assert not complaints(found, Bounds())
-    assert {("pin", "keys"), ("pin", "button")} <= set().union(*map(Bounds().foreign, found.registers))
+    pins = {name for register in found.registers for _, name in Bounds().foreign(register)}
+    assert {"keys", "button", "pad_pin_in", "wheel_a", "wheel_b", "wheel_index", "rx_line", "reset"} <= pins
 
 
 CONSTRAINTS = gateware_folder() / "constraints"
