@@ -223,7 +223,7 @@ def main(url: str, folder: Path, seed: int, words: int, *, clients: int, kill_s:
                 sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
                 os._exit(3)
             os._exit(0)
-        # Its time starts with its first word done; for one in five, when it starts.
+        # The child's time to live begins when it has done a word. For one child in five it begins at once.
         done, until = life.words() if chance.random() > 0.2 else -1, float("inf")
         while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
             if until == float("inf") and life.words() != done:

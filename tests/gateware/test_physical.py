@@ -28,7 +28,7 @@ def test_uart_rx(ghdl: Any, parity: str, clock_hz: int, baud_hz: int) -> None:
 def test_uart_rx_on_a_slow_line(ghdl: Any, parity: str) -> None:
     """With 104.2 clocks for a bit the counters are longer.
 
-    The faster lines have tried the states of each parity.
+    The tests of faster lines go through the states of each parity.
     """
     ghdl.run("uart_rx_tb", parity=parity, clock_hz=1_000_000, baud_hz=9_600, bytes=8)
 

@@ -90,7 +90,7 @@ class Node:
         """Refuse the assignment, because a write was probably meant."""
         refuse(self._path(path), self[path], value)
 
-    # What generated classes, and trees made from a Spec, are built with
+    # Generated classes, and trees that are made from a Spec, call these methods when they are built.
 
     def _bind(self, kind: str, **binding: Any) -> None:
         self._hardware = self._tree.hardware(kind, **binding)
