@@ -11,8 +11,11 @@ case "${1:-}" in
 esac
 failed=0
 files() { git -c safe.directory='*' ls-files -z --cached --others --exclude-standard -- "$@"; }
-each() { xargs -0 -r -n 40 -P "$(nproc)" "$@" || failed=1; }                # all kinds, also where one has faults
+each() { xargs -0 -r -n 40 -P "$(nproc)" "$@"; }
+# All kinds, also where one has faults. A part of a pipe runs in a shell of its own, so `failed` is set behind the pipe.
 "$bin/ruff" "${ruff[@]}" . || failed=1
-files '*.c' '*.h' '*.cpp' '*.hpp' | each "$bin/clang-format" "${clang[@]}"  # but those of .clang-format-ignore
-files ':(attr:!linguist-generated)*.md' | each "$bin/mdformat" "${mdformat[@]}"  # but those of .gitattributes
+files '*.c' '*.h' '*.cpp' '*.hpp' |       # but those of .clang-format-ignore
+  each "$bin/clang-format" "${clang[@]}" || failed=1
+files ':(attr:!linguist-generated)*.md' | # but those of .gitattributes
+  each "$bin/mdformat" "${mdformat[@]}" || failed=1
 exit "$failed"

@@ -55,6 +55,13 @@ def test_each_kind_of_source(checkout: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
         return done.returncode, done.stdout + done.stderr
 
+    for name in BAD:  # one fault alone is enough
+        for other in BAD:
+            (checkout / other).write_text((BAD if other == name else MENDED)[other], "utf-8")
+        code, told = call("--check")
+        assert (code, [other for other in BAD if other in told]) == (1, [name])
+    for name, text in BAD.items():
+        (checkout / name).write_text(text, "utf-8")
     code, told = call("--check")
     assert code == 1 and texts(checkout, BAD) == BAD
     assert [name for name in BAD if name not in told] == []
