@@ -40,13 +40,6 @@ architecture rtl of interrupt_slave is
   signal written                 : std_ulogic_vector(0 to 1);
   signal pending                 : lines_t := (others => '0');
 
-  function extended (bits : lines_t) return word_t is
-    variable result : word_t := (others => '0');
-  begin
-    result(lines_t'range) := bits;
-    return result;
-  end function;
-
 begin
 
   registers : entity work.register_slave

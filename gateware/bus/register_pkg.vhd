@@ -13,4 +13,18 @@ package register_pkg is
 
   constant no_words : word_vector_t(1 to 0) := (others => (others => '0'));
 
+  -- `bits` as the lowest bits of a word.
+  function extended (bits : std_ulogic_vector) return word_t;
+
 end package;
+
+package body register_pkg is
+
+  function extended (bits : std_ulogic_vector) return word_t is
+    variable result : word_t := (others => '0');
+  begin
+    result(bits'length - 1 downto 0) := bits;
+    return result;
+  end function;
+
+end package body;

@@ -50,13 +50,6 @@ architecture rtl of gpio is
   signal write_words    : word_vector_t(0 to 5);
   signal written        : std_ulogic_vector(0 to 5);
 
-  function extended (bits : pins_t) return word_t is
-    variable result : word_t := (others => '0');
-  begin
-    result(pins_t'range) := bits;
-    return result;
-  end function;
-
 begin
 
   assert pins <= data_width

@@ -89,9 +89,7 @@ begin
     random.seed(seed);
     wait until falling_edge(reset);
     for number in 0 to accesses - 1 loop
-      while random.chance(stalls) loop
-        wait until rising_edge(clock);
-      end loop;
+      pause(clock, random, stalls);
       m2s.awvalid <= '1';
       m2s.awaddr  <= std_ulogic_vector(to_unsigned(4 * place(number, 0) + random.integer_between(0, 3), 32));
       wait until rising_edge(clock) and s2m.awready = '1';
@@ -107,9 +105,7 @@ begin
     random.seed(seed + 1);
     wait until falling_edge(reset);
     for number in 0 to accesses - 1 loop
-      while random.chance(stalls) loop
-        wait until rising_edge(clock);
-      end loop;
+      pause(clock, random, stalls);
       m2s.wvalid <= '1';
       m2s.wdata  <= value(number, 0);
       m2s.wstrb  <= bytes(number);
@@ -142,9 +138,7 @@ begin
     random.seed(seed + 3);
     wait until falling_edge(reset);
     for number in 0 to accesses - 1 loop
-      while random.chance(stalls) loop
-        wait until rising_edge(clock);
-      end loop;
+      pause(clock, random, stalls);
       m2s.arvalid <= '1';
       m2s.araddr  <= std_ulogic_vector(to_unsigned(4 * place(number, 1), 32));
       wait until rising_edge(clock) and s2m.arready = '1';

@@ -69,9 +69,7 @@ begin
       random.seed(seed + master);
       wait until falling_edge(reset);
       for block_number in 1 to blocks loop
-        while random.chance(pauses) loop
-          wait until rising_edge(clock);
-        end loop;
+        pause(clock, random, pauses);
         bus_read(clock, m2s, masters_s2m(master), 1, answer, keep => true);
         bus_write(
           clock, m2s, masters_s2m(master), 1, std_ulogic_vector(unsigned(answer.word) + 1));

@@ -13,7 +13,7 @@ from ..vhdl.names import Names
 from ..vhdl.plan import Plan
 from ..vhdl.records import Leaf, Tree
 from ..vhdl.value_types import ARRAYS, Part, width_of
-from ..vhdl.words import components_of
+from ..vhdl.words import components_of, named_elements
 
 _MIXED = 0x9E3779B97F4A7C15F39CC0605CEDC835  # bits without a pattern: 2**128 over the golden ratio
 
@@ -23,7 +23,6 @@ class Access:
     """The read and the write of a value. `from_bits` and `to_bits` convert its raw bits."""
 
     name: str
-    address: str  # the constant of NAME_config_pkg
     width: int
     type: Vhdl
     from_bits: Vhdl
@@ -73,22 +72,22 @@ class Bench:
 
 def plan_bench(spec: Spec, design: Plan) -> Bench:
     """Plan the procedures, and what the bench tries: the words that a record has, in plain memory."""
-    bits, names = design.configuration.data_bits, Names()
     inside = {address for component in components_of(spec) for address in component.range}
+    to_pc, from_pc = _by_word(design.to_pc), _by_word(design.from_pc)
     accesses, reads, writes = [], [], []
-    for number, (path, element) in enumerate(spec.walk()):
-        access = _access(names.claim(path), element, bits)
+    for number, (_, name, element) in enumerate(named_elements(spec)):
+        access = _access(name, element, design.configuration.data_bits)
         accesses.append(access)
         if element.link.kind != "memory" or element.address in inside:
             continue
         mixed = _MIXED >> number % 64 | 1
         if design.words.drives(element):
-            leaves = _leaves(design.to_pc, design.words.read[element.address])
+            leaves = to_pc.get(design.words.read[element.address], [])
             raw = mixed & sum(1 << bit for leaf in leaves for bit in range(leaf.part.low, leaf.part.high + 1))
             before = tuple(Vhdl.of("to_pc.{} <= {};", leaf.path, _literal(leaf.part, raw)) for leaf in leaves)
             reads += [Trial(access, _value(access, raw), before, ())] if before else []
         elif element.access in ("WRITE", "READWRITE"):
-            leaves = _leaves(design.from_pc, design.words.write[element.address])
+            leaves = from_pc.get(design.words.write[element.address], [])
             after = tuple((Vhdl.of("from_pc.{}", leaf.path), _literal(leaf.part, mixed)) for leaf in leaves)
             writes += [Trial(access, _value(access, mixed), (), after)] if after else []
     return Bench(tuple(accesses), tuple(_publishes(spec)), tuple(reads), tuple(writes))
@@ -105,7 +104,6 @@ def _access(name: str, element: Element, data_bits: int) -> Access:
         value = Vhdl.of("{}(bits)", base)
     return Access(
         name,
-        f"{name}_address",
         width,
         kind,
         value,
@@ -116,9 +114,12 @@ def _access(name: str, element: Element, data_bits: int) -> Access:
     )
 
 
-def _leaves(tree: Tree, index: int) -> list[Leaf]:
-    """Return the parts of the value whose first word is number `index`."""
-    return [leaf for leaf in tree.leaves if leaf.index == index]
+def _by_word(tree: Tree) -> dict[int, list[Leaf]]:
+    """Return the parts of each value, by the number of its first word."""
+    parts: dict[int, list[Leaf]] = {}
+    for leaf in tree.leaves:
+        parts.setdefault(leaf.index, []).append(leaf)
+    return parts
 
 
 def _bits(raw: int, width: int) -> Vhdl:
@@ -141,8 +142,8 @@ def _literal(part: Part, raw: int) -> Vhdl:
 
 
 def _publishes(spec: Spec) -> Iterator[Publish]:
-    paths, names = Names(), Names()
-    constants = {id(element): f"{paths.claim(path)}_address" for path, element in spec.walk()}
+    names = Names()
+    constants = {id(element): f"{name}_address" for _, name, element in named_elements(spec)}
     for device in spec.devices:
         for group in device.groups:
             words = [(constants[id(element)], n) for element in group.elements for n in range(element.words)]

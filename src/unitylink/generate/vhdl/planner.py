@@ -27,7 +27,7 @@ from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Regi
 from .records import Tree, records
 from .settings import safe_values_of, settings_of
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
-from .words import PlacedComponent, components_of, tosnet_range, word_map
+from .words import PlacedComponent, components_of, named_elements, tosnet_range, word_map
 
 # Settings that a virtual board can have and a generated design cannot: means of testing, and slaves that no
 # spec names.
@@ -276,9 +276,8 @@ class _Planner:
 
     def _address_constants(self) -> tuple[Constant, ...]:
         """Return the address of each element, and its raw initial and SAFE values."""
-        names, constants = Names(), []
-        for path, element in self.spec.walk():
-            name, kind = names.claim(path), Vhdl("unsigned(31 downto 0)")
+        constants, kind = [], Vhdl("unsigned(31 downto 0)")
+        for path, name, element in named_elements(self.spec):
             constants.append(Constant(f"{name}_address", kind, _hex(element.address), _facts(element)))
             for which, value in (("initial", element.initial), ("safe", element.safe)):
                 if value is not None:

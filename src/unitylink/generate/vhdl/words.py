@@ -16,6 +16,8 @@ from unitylink.protocol import (
 )
 from unitylink.spec.model import Component, Element, Instance, Spec
 
+from .names import Names
+
 # The user's logic drives these for the PC to read. A READWRITE is a word that the PC writes, and reads back.
 USER_GIVES = ("READ", "W1C", "READCLEAR")
 
@@ -94,6 +96,19 @@ def components_of(spec: Spec) -> tuple[PlacedComponent, ...]:
             yield from below(part, root)
 
     return tuple(one for root in spec.roots for one in below(root, root.name))
+
+
+def named_elements(spec: Spec) -> Iterator[tuple[str, str, Element]]:
+    """Yield the path, the name in VHDL and the element of each value, in the spec's order.
+
+    >>> from unitylink.spec import compile_text
+    >>> spec = compile_text("public lamp() { @led[2] = i: WRITE(); }", "lamp.ul").spec
+    >>> [(path, name) for path, name, _ in named_elements(spec)]
+    [('led[0]', 'led_0'), ('led[1]', 'led_1')]
+    """
+    names = Names()
+    for path, element in spec.walk():
+        yield path, names.claim(path), element
 
 
 def tosnet_range(configuration: BoardConfiguration) -> range:
