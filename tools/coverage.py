@@ -20,12 +20,12 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
+from unitylink.gateware import bench_sources, gateware_sources, simulation_sources
 from unitylink.gateware.dependencies import plain_text
 
 ROOT = Path(__file__).resolve().parent.parent
-GATEWARE = ROOT / "gateware"
 COUNTS = ROOT / "build" / "coverage"
-RECORD = GATEWARE / "coverage.json"
+RECORD = ROOT / "gateware" / "coverage.json"
 PERCENT_LEAST = 95.0
 # tests with these fixtures run a simulator that counts lines
 _RUNS_A_BENCH = re.compile(r"\b(ghdl|rtl)\b: Any")
@@ -35,14 +35,14 @@ _NO_TESTS = 5  # pytest's exit code if no test has a name that fits
 def digest() -> str:
     """Return 16 hex digits over all VHDL, designs and benches. Comments and blanks do not count."""
     said = hashlib.sha256()
-    for path in sorted(GATEWARE.rglob("*.vhd")):
-        said.update(f"{path.relative_to(GATEWARE)}\0{plain_text(path)}\0".encode())
+    for path in sorted({*designs(), *bench_sources()}):
+        said.update(f"{path.relative_to(ROOT)}\0{plain_text(path)}\0".encode())
     return said.hexdigest()[:16]
 
 
 def designs() -> set[Path]:
     """Return the files whose lines count."""
-    return {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")}
+    return {*gateware_sources(), *simulation_sources()}
 
 
 def run_benches(only: list[str]) -> str:
@@ -63,6 +63,7 @@ def run_benches(only: list[str]) -> str:
 def executed() -> dict[Path, dict[int, int]]:
     """Return how often each line of each file has been executed, over the programs of all workers."""
     total: dict[Path, dict[int, int]] = defaultdict(lambda: defaultdict(int))
+    counted = designs()
     for folder in sorted(COUNTS.iterdir()):
         notes = sorted(path.name for path in folder.glob("*.gcno"))
         command = ["gcov", "--json-format", "--stdout", *notes]
@@ -70,7 +71,7 @@ def executed() -> dict[Path, dict[int, int]]:
         for document in output.splitlines():
             for file in json.loads(document)["files"]:
                 path = Path(file["file"])
-                if path.is_relative_to(GATEWARE) and "test" not in path.relative_to(GATEWARE).parts:
+                if path in counted:
                     for line in file["lines"]:
                         total[path][line["line_number"]] += line["count"]
     return total
@@ -104,7 +105,7 @@ def main(arguments: list[str]) -> int:
         missed = sorted(number for number, count in counts.items() if count == 0)
         lines, reached = lines + len(counts), reached + len(counts) - len(missed)
         percent = 100 * (1 - len(missed) / len(counts))
-        name = path.relative_to(GATEWARE)
+        name = path.relative_to(ROOT)
         files[str(name)] = {"lines": len(counts), "run": len(counts) - len(missed)}
         print(f"{name!s:44} {len(counts):5} {len(counts) - len(missed):5} {percent:5.1f}  {ranges(missed)}")
     percent = 100 * reached / lines
@@ -112,7 +113,7 @@ def main(arguments: list[str]) -> int:
     if benches:
         return 0
     for path in sorted(absent):
-        print(f"{path.relative_to(GATEWARE)}: nothing of it was executed")
+        print(f"{path.relative_to(ROOT)}: nothing of it was executed")
     if absent or percent < PERCENT_LEAST:
         print(f"line coverage of the gateware must be {PERCENT_LEAST} % and every file must be run")
         return 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The places of the gateware's VHDL and of the examples, in a checkout or in a wheel."""
+"""The places of the VHDL, the components and the examples, in a checkout or in a wheel."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def cache_folder(name: str) -> Path:
 
 
 def resource_folder(name: str) -> Path:
-    """Return the folder called `name` ("gateware", "examples", "tools/wireshark").
+    """Return the folder called `name` ("gateware", "components", "examples").
 
     Raises ToolError if this installation does not have it.
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.gateware import every_source
 from unitylink.generate import generate_vhdl
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import Spec
 from unitylink_lab.conformance.rtl import RtlPlayer
 
-GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has a watchdog on simulated time; this limit is for a simulator that hangs
 
 
@@ -90,7 +90,7 @@ class Ghdl:
         """Run the bench of `entity` on its netlist. `generics` are those that differ from the bench's own."""
         path = work / f"{entity}.vhd"
         path.write_text(self.synthesise(entity))
-        others = [source for source in sorted(GATEWARE.rglob("*.vhd")) if source.stem != entity]
+        others = [source for source in every_source() if source.stem != entity]
         Ghdl(work, [*others, path]).run(bench or f"{entity}_tb", **generics)
 
     def _call(self, *arguments: str) -> str:
@@ -105,8 +105,8 @@ class Ghdl:
 
 @pytest.fixture(scope="session")
 def ghdl(tmp_path_factory: pytest.TempPathFactory) -> Ghdl:
-    """All of gateware/: entities and benches."""
-    sources = sorted(GATEWARE.rglob("*.vhd"))
+    """All VHDL of gateware and components: entities and benches."""
+    sources = every_source()
     if not COVERAGE:
         return Ghdl(tmp_path_factory.mktemp("ghdl"), sources, strict=True)
     work = Path(COVERAGE) / os.environ.get("PYTEST_XDIST_WORKER", "main")
@@ -134,8 +134,7 @@ class Designs:
         for name, text in generate_vhdl(spec, configuration).items():
             (self.folder / name).parent.mkdir(exist_ok=True)
             (self.folder / name).write_text(text, encoding="utf-8")
-        gateware = sorted(GATEWARE.rglob("*.vhd"))
-        return self.make(self.folder, [*gateware, *sorted(self.folder.glob("vhdl/*.vhd")), *others])
+        return self.make(self.folder, [*every_source(), *sorted(self.folder.glob("vhdl/*.vhd")), *others])
 
     def play(
         self, spec: Spec, bench: str, steps: Sequence[str | int], others: Sequence[Path] = ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The first peripherals."""
+"""The components, and what they stand on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
+from unitylink.spec.text.imports import component_names
 
 
 @pytest.mark.parametrize("stable_clocks", [1, 2, 5])
@@ -41,7 +41,7 @@ def test_a_depth_the_word_cannot_count_stops_elaboration(ghdl: Any) -> None:
 
 
 NETLISTS = {"gpio": {"stable_clocks": 1}, "quadrature_encoder": {}}  # generics that differ from the bench's
-CORES = sorted(path.stem for path in (GATEWARE / "cores").glob("*.vhd"))
+OTHERS = [name for name in (*component_names(), "fifo_slave", "input_filter") if name not in NETLISTS]
 
 
 @pytest.mark.parametrize(("entity", "generics"), NETLISTS.items())
@@ -49,6 +49,6 @@ def test_netlist(ghdl: Any, tmp_path: Path, entity: str, generics: dict[str, int
     ghdl.run_netlist(entity, tmp_path, **generics)
 
 
-@pytest.mark.parametrize("entity", [core for core in CORES if core not in NETLISTS])
+@pytest.mark.parametrize("entity", OTHERS)
 def test_synthesis(ghdl: Any, entity: str) -> None:
     assert f"entity {entity} is" in ghdl.synthesise(entity)

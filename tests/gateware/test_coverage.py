@@ -24,7 +24,7 @@ def test_the_record_is_of_this_gateware_and_enough_of_it_is_executed(coverage: A
     record = json.loads(coverage.RECORD.read_text(encoding="utf-8"))
     assert record["digest"] == coverage.digest(), "the gateware or a bench has changed: make coverage"
     files = record["files"]
-    assert set(files) == {str(path.relative_to(coverage.GATEWARE)) for path in coverage.designs()}
+    assert set(files) == {str(path.relative_to(coverage.ROOT)) for path in coverage.designs()}
     lines, run = (sum(file[what] for file in files.values()) for what in ("lines", "run"))
     assert 100 * run / lines >= coverage.PERCENT_LEAST == 95.0
 

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from unitylink.errors import ToolError
+from unitylink.gateware import every_source, property_sources
 
 ROOT = Path(__file__).resolve().parents[2]
 GATEWARE = ROOT / "gateware"
@@ -138,7 +139,7 @@ def test_quick_rows_are_those_of_the_test(tools: Any) -> None:
 
 
 def test_rows_and_property_files_belong_together(tools: Any) -> None:
-    files = {path.stem for path in (GATEWARE / "formal").glob("*_formal.vhd")}
+    files = {path.stem for path in property_sources() if path.stem.endswith("_formal")}
     assert files == {block.top for block in tools("blocks").BLOCKS}
 
 
@@ -151,7 +152,7 @@ def test_every_property_has_a_sentence_and_every_block_a_mutant(tools: Any) -> N
 
 
 def test_the_text_of_every_mutant_occurs_once(tools: Any) -> None:
-    sources = {path.name: path.read_text(encoding="utf-8") for path in GATEWARE.rglob("*.vhd")}
+    sources = {path.name: path.read_text(encoding="utf-8") for path in every_source()}
     wrong = [
         (block.name, mutant.old)
         for block in tools("blocks").BLOCKS

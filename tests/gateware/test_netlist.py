@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from unitylink.gateware import every_source
 from unitylink.settings import Settings
 from unitylink_lab.conformance.bench import bench
-
-GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 
 
 def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
@@ -23,7 +22,7 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
     (folder / "core.vhd").write_text(
         netlist[: netlist.rindex("end rtl;") + len("end rtl;\n")], encoding="utf-8"
     )
-    others = [source for source in sorted(GATEWARE.rglob("*.vhd")) if source.name != "core.vhd"]
+    others = [source for source in every_source() if source.name != "core.vhd"]
     synthesised = type(rtl)(type(ghdl)(folder, [*others, folder / "core.vhd"]), folder)
 
     # The netlist has the default settings.

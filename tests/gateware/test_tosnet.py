@@ -14,13 +14,13 @@ import pytest
 
 from unitylink import Link, protocol
 from unitylink._native import Bus
+from unitylink.gateware import gateware_sources
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.simulate import Board
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import load
 
 ROOT = Path(__file__).resolve().parents[2]
-GATEWARE = ROOT / "gateware"
 CLOCK_HZ = 1_000_000
 SEEN = [0x84, 0x87, 0x8C, 0x17F, 0x40, 0x44]  # from tosnet_slave_tb: the words that the nodes see …
 GIVEN = [0x80, 0x83, 0x88, 0x178, 0x179, 0x17B]  # … and give
@@ -163,10 +163,7 @@ end architecture;
 def test_synthesis(ghdl: Any, tmp_path: Path, whole: str, depth: int) -> None:
     wrapper = tmp_path / "tosnet_wrapper.vhd"
     wrapper.write_text(WRAPPER.replace("WHOLE", whole).replace("DEPTH", str(depth)), encoding="ascii")
-    sources = [
-        source for source in sorted(GATEWARE.rglob("*.vhd")) if source.parent.name not in ("test", "formal")
-    ]
-    netlist = type(ghdl)(tmp_path, [*sources, wrapper]).synthesise("tosnet_wrapper")
+    netlist = type(ghdl)(tmp_path, [*gateware_sources(), wrapper]).synthesise("tosnet_wrapper")
     assert ("array (0 to 2047)" in netlist) == (whole == "true"), "the memory is one that block RAM can hold"
 
 

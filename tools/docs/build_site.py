@@ -78,14 +78,19 @@ def stage(folder: Path) -> None:
 
 
 def navigation(pages: Path) -> list[Any]:
-    """Return the order of mkdocs.yml. Pages without a place in it come after their folder's page, or last."""
+    """Return the order of mkdocs.yml.
+
+    Pages without a place in it come after their folder's page, or last. The page of a component comes after
+    that of all components.
+    """
     text = (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[2]
     placed = set(re.findall(r"[\w./-]+\.md", text))
     nav: list[Any] = yaml.safe_load(text)
     for name in sorted(str(page.relative_to(pages)) for page in pages.rglob("*.md")):
         if name not in placed:
-            folder = f"{Path(name).parent}/README.md"
-            (_list_with(nav, folder) or nav[-1]["Explanation"]).append(name)
+            folder = Path(name).parent
+            beside = _list_with(nav, f"{folder}/README.md") or _list_with(nav, f"docs/{folder.parent}.md")
+            (beside or nav[-1]["Explanation"]).append(name)
     return nav
 
 

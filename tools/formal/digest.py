@@ -15,7 +15,7 @@ from pathlib import Path
 
 from block import Block
 
-from unitylink.gateware import gateware_folder, gateware_sources
+from unitylink.gateware import gateware_sources, property_sources
 from unitylink.gateware import ghdl as ghdl_module
 from unitylink.gateware import repairs as repairs_module
 from unitylink.gateware.dependencies import needed_sources, plain_text
@@ -42,7 +42,7 @@ def digest(block: Block) -> str:
 
 def sources_of(block: Block) -> list[Path]:
     """Return the VHDL files of the block and of its properties."""
-    return needed_sources(block.top, [*gateware_sources(), *(gateware_folder() / "formal").glob("*.vhd")])
+    return needed_sources(block.top, [*gateware_sources(), *property_sources()])
 
 
 def stale(blocks: tuple[Block, ...], record: Mapping[str, Mapping[str, object]]) -> list[str]:

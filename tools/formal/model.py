@@ -13,7 +13,7 @@ from block import Block, Mutant
 from cases import with_cases
 
 from unitylink.errors import ToolError
-from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
+from unitylink.gateware import Ghdl, gateware_sources, property_sources
 from unitylink.gateware.repairs import repaired
 
 SECONDS_MOST = 600.0  # for one call of a program
@@ -89,7 +89,7 @@ def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
     sources = list(gateware_sources())
     if mutant is not None:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
-    for path in sorted((gateware_folder() / "formal").glob("*.vhd")):
+    for path in property_sources():
         copy = folder / path.name
         copy.write_text(with_cases(path.read_text(encoding="utf-8")), encoding="utf-8")
         sources.append(copy)

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from textwrap import fill
 from typing import Any
 
 from block import Block
 from blocks import BLOCKS
 
-FOLDER = Path(__file__).resolve().parents[2] / "gateware" / "formal"
+from unitylink.gateware import property_sources
 
 _LABEL = re.compile(r"((?:^ *--[^\n]*\n)*)^ *(\w+) *: *(assert|assume|cover)\b", re.MULTILINE)
 _VIEW = re.compile(r"^ *(\w+) *: *entity work\.(\w+_view)\b", re.MULTILINE)
@@ -100,10 +99,11 @@ def sentences(name: str) -> list[tuple[str, str, str]]:
 
     Properties of its views come first, because several blocks share these.
     """
-    text = (FOLDER / f"{name}_formal.vhd").read_text(encoding="utf-8")
+    files = {path.stem: path for path in property_sources()}
+    text = files[f"{name}_formal"].read_text(encoding="utf-8")
     found = []
     for instance, view in _VIEW.findall(text):
-        shared = (FOLDER / f"{view}.vhd").read_text(encoding="utf-8")
+        shared = files[view].read_text(encoding="utf-8")
         found += [(f"{instance}.{label}", kind, said) for label, kind, said in _labelled(shared)]
     return found + _labelled(text)
 

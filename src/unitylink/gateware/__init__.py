@@ -7,17 +7,27 @@ from .ghdl import Ghdl
 from .netlist import netlist
 from .ports import Port, ports_of
 from .programs import find_program, map_cells, run_tool
-from .sources import gateware_folder, gateware_sources, simulation_sources
+from .sources import (
+    bench_sources,
+    every_source,
+    gateware_folder,
+    gateware_sources,
+    property_sources,
+    simulation_sources,
+)
 
 __all__ = [
     "Ghdl",
     "Port",
+    "bench_sources",
+    "every_source",
     "find_program",
     "gateware_folder",
     "gateware_sources",
     "map_cells",
     "netlist",
     "ports_of",
+    "property_sources",
     "run_tool",
     "simulation_sources",
 ]

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Protocol
 
 from unitylink.errors import ToolError
-from unitylink.gateware import Ghdl, gateware_folder
+from unitylink.gateware import Ghdl, every_source, gateware_folder
 
 if TYPE_CHECKING:
     from unitylink.simulate import BoardConfiguration
@@ -116,4 +116,4 @@ def rtl_player() -> Iterator[RtlPlayer]:
         raise ToolError("the benches of the gateware did not come with this installation: use a checkout")
     with TemporaryDirectory(prefix="unitylink-conformance-") as work:
         folder = Path(work)
-        yield RtlPlayer(Ghdl(folder, sorted(gateware_folder().rglob("*.vhd"))), folder)
+        yield RtlPlayer(Ghdl(folder, every_source()), folder)

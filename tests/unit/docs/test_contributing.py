@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import click
 import pytest
@@ -15,8 +14,7 @@ from unitylink.connection.schemes import SCHEMES
 from unitylink.generate import ARTEFACTS
 
 PAGE = text("CONTRIBUTING.md")
-RECIPES = ("Add a link scheme", "Add a gateware core", "Add a generator", "Add a command")
-LIBRARY = sorted((ROOT / "src" / "unitylink" / "spec" / "library").glob("*.ul"))
+RECIPES = ("Add a link scheme", "Add a component", "Add a generator", "Add a command")
 
 
 def section(title: str) -> str:
@@ -82,14 +80,6 @@ def test_every_scheme_has_what_its_recipe_asks_for(name: str) -> None:
     assert f"`{name}:" in table, "docs/command-line.md has a table LINK"
     tried = text("tests/end_to_end/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
     assert f'"{name}:' in tried or f'("{name}"' in tried, "no test tries all commands on it"
-
-
-@pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
-def test_every_core_of_the_library_has_what_its_recipe_asks_for(path: Path) -> None:
-    pages = ("gateware/cores/README.md", "docs/gateware/README.md", "docs/ul-spec.md")
-    for file in (*pages, "src/unitylink/spec/library/README.md", "tests/gateware/test_cores.py"):
-        assert has(path.stem, text(file)), file
-    assert (ROOT / "gateware" / "test" / f"{path.stem}_tb.vhd").is_file()
 
 
 @pytest.mark.parametrize("name", ARTEFACTS)

@@ -7,10 +7,21 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-FOLDERS = ("bench", "boards", "cmake", "docs", "editors", "examples", "gateware", "native", "protocol")
+FOLDERS = (
+    "bench",
+    "boards",
+    "cmake",
+    "components",
+    "docs",
+    "editors",
+    "examples",
+    "gateware",
+    "native",
+    "protocol",
+)
 FOLDERS += ("src", "tests", "tools")
 PAGES = sorted(page for folder in (".", *FOLDERS) for page in (ROOT / folder).glob("*.md"))
-PAGES += sorted((ROOT / "docs" / "gateware").glob("*.md"))
+PAGES += sorted([*(ROOT / "docs" / "gateware").glob("*.md"), *(ROOT / "components").glob("*/*.md")])
 NAMED = re.compile(rf"`((?:{'|'.join(FOLDERS)})/[\w./*-]+)`")
 LATER = {  # files that are not in this checkout: the reader makes them, or they belong to a generated package
     "docs/gateware/testing.md": {"gateware/test/blinker_tb.vhd"},

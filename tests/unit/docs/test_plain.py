@@ -36,8 +36,8 @@ class Ceilings(NamedTuple):
 CEILINGS = {
     "pages": Ceilings((".",), 12, 15.5, 0.03, 3000),
     "python": Ceilings((".",), 10.5, 15, 0.03, 6000),
-    "vhdl": Ceilings(("gateware", "examples", "src"), 10.5, 15.5, 0.06, 2500),
-    "c++": Ceilings(("native/include", "native/src"), 10.5, 16.5, 0.1, 1000),
+    "vhdl": Ceilings(("gateware", "components", "examples", "src"), 10.5, 15.5, 0.06, 2500),
+    "c++": Ceilings(("native/include", "native/src", "components"), 10.5, 16.5, 0.1, 1000),
 }
 
 PAGE = """---

@@ -8,16 +8,22 @@ from pathlib import Path
 import pytest
 
 from unitylink.errors import ToolError
-from unitylink.gateware import Ghdl, gateware_folder, gateware_sources, netlist
+from unitylink.gateware import Ghdl, every_source, gateware_folder, gateware_sources, netlist
 
 SMALL = Path(__file__).with_name("small.vhd")
 
 
 def test_sources_are_all_but_the_benches() -> None:
-    names = {path.relative_to(gateware_folder()).as_posix() for path in gateware_sources()}
-    assert "core.vhd" in names
-    assert "common/fifo.vhd" in names
-    assert not [name for name in names if name.startswith("test/")]
+    root = gateware_folder().parent
+    names = {path.relative_to(root).as_posix() for path in gateware_sources()}
+    assert {"gateware/core.vhd", "gateware/common/fifo.vhd", "components/gpio/gpio.vhd"} <= names
+    assert not [name for name in names if "/test/" in name or name.endswith(("_tb.vhd", "_formal.vhd"))]
+
+
+def test_a_checkout_has_each_file_once() -> None:
+    root = gateware_folder().parent
+    every = [*(root / "gateware").rglob("*.vhd"), *(root / "components").rglob("*.vhd")]
+    assert sorted(every_source()) == sorted(every)
 
 
 def test_an_entity_of_the_gateware_with_generics() -> None:

@@ -25,7 +25,7 @@ MIRRORS = ("tests/unit", "tests/lab")  # they mirror src/; their page is tests/R
 
 
 def test_folders_have_a_page() -> None:
-    roots = ("src", "native", "gateware", "protocol", "examples", "bench", "tests", "tools")
+    roots = ("src", "native", "gateware", "components", "protocol", "examples", "bench", "tests", "tools")
     folders = {file.parent for file in files(CODE) if str(file).startswith(roots)}
     missing = [
         str(folder)

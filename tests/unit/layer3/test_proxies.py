@@ -77,7 +77,7 @@ def test_a_register_with_a_larger_number_than_a_fifo_holds_is_refused(fake: Modu
     link = fake.FakeLink()
     fifo = FifoProxy(link, 0x40)
     most = "range 2 to 2 ** 16 := 16;"
-    assert most in (gateware_folder() / "cores" / "fifo_slave.vhd").read_text("utf-8")
+    assert most in (gateware_folder() / "bus" / "fifo_slave.vhd").read_text("utf-8")
     link.bus.words = {0x41: 2**16 + 1, 0x42: 2**32 - 1}
     for act in (lambda: fifo.pop_many(10**9), lambda: fifo.push_many([1])):
         with pytest.raises(DeviceMismatch, match=r"no FIFO at 0x0040: the word at 0x004[12] is "):

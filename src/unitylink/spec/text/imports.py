@@ -14,12 +14,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
+from unitylink.resources import resource_folder
+
 from ..report.diagnostics import Reporter
 from ..source import MAX_BYTES, Source, decode
 from .parser import parse
 from .syntax import ExpansionNode, ImportNode, Program
 
-LIBRARY = Path(__file__).parents[1] / "library"
 MAX_FILES = 200
 
 _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
@@ -27,7 +28,13 @@ _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 
 def component_names() -> tuple[str, ...]:
     """Return the names of the component library."""
-    return tuple(sorted(path.stem for path in LIBRARY.glob("*.ul")))
+    folder = resource_folder("components")
+    return tuple(sorted(one.name for one in folder.iterdir() if _described(one).is_file()))
+
+
+def _described(folder: Path) -> Path:
+    """Return the file in UL-spec of a component's folder."""
+    return folder / f"{folder.name}.ul"
 
 
 class Importer:
@@ -164,8 +171,9 @@ class Importer:
             for member in one.members
             if isinstance(member, ExpansionNode)
         }
+        folder, library = resource_folder("components"), component_names()
         for name in sorted(wanted - have):
-            path = LIBRARY / f"{name}.ul"
-            if _PART.fullmatch(name) and path.is_file():
+            if name in library:
+                path = _described(folder / name)
                 source = self.reporter.sources.add(str(path), path.read_text("utf-8"), library=True)
                 self._merge(parse(self.reporter, source)[0])
