@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "device/bus.hpp"
+#include "device/component/component_configuration.hpp"
 #include "device/configuration.hpp"
 #include "device/rtl_device.hpp"
 #include "layer0_driver/status.hpp"
@@ -23,6 +24,7 @@ void bind_stream(nanobind::module_& module);
 void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
+void bind_component(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);
 
 // Releases the GIL as long as it exists. If the process ends meanwhile, Python would end this thread by unwinding its
@@ -52,6 +54,9 @@ void raise_unless_ok(const Outcome& outcome);
 // Reads a simulate.BoardConfiguration, whose attributes have the names of the fields. Raises ValueRangeError for a
 // wrong value.
 [[nodiscard]] device::DeviceConfiguration configuration_of(nanobind::handle object);
+
+// Reads an interface.ComponentConfiguration.
+[[nodiscard]] device::ComponentConfiguration component_configuration_of(nanobind::handle from, std::uint32_t data_bits);
 
 // Makes a device from a simulate.rtl.RtlModel, which names the compiled gateware. Raises ToolError if it cannot be
 // used.

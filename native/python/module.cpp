@@ -9,5 +9,6 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_link(module);
   unitylink::python::bind_board(module);
   unitylink::python::bind_bus(module);
+  unitylink::python::bind_component(module);
   unitylink::python::bind_faults(module);
 }

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The models of components for Python: what a spec says of one, and a model alone, on which stimuli are played.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bindings.hpp"
+#include "device/component/component.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+
+using namespace unitylink::device;
+
+ComponentConfiguration component_configuration_of(nb::handle from, std::uint32_t data_bits) {
+  ComponentConfiguration result;
+  result.path = nb::cast<std::string>(from.attr("path"));
+  result.entity = nb::cast<std::string>(from.attr("entity"));
+  result.base = nb::cast<std::uint32_t>(from.attr("base"));
+  result.words = nb::cast<std::uint32_t>(from.attr("words"));
+  result.data_bits = data_bits;
+  for (nb::handle generic : nb::object(from.attr("generics"))) {
+    result.generics.push_back({nb::cast<std::string>(generic[0]), nb::cast<std::int64_t>(generic[1])});
+  }
+  for (nb::handle pin : nb::object(from.attr("pins"))) {
+    const auto bits = nb::cast<std::uint32_t>(pin[2]);
+    result.pins.push_back({nb::cast<std::string>(pin[0]), nb::cast<std::string>(pin[1]) == "in", bits == 0 ? 1 : bits});
+  }
+  for (nb::handle group : nb::object(from.attr("event_groups"))) {
+    result.event_groups.push_back(nb::cast<std::optional<std::uint32_t>>(group));
+  }
+  return result;
+}
+
+namespace {
+
+using Stimulus = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
+using Seen = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
+
+// Plays stimuli in the order of time: (clock, what, number, value). `p` drives an input pin, `r` reads, `w` writes, `c`
+// opens (1) and closes (0) a block. Returns (state, what, number, value): `o` an output pin, `a` the answer of a read
+// or write (number 1: err), `e` an event that became high.
+std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end) {
+  std::vector<Seen> seen;
+  for (std::uint32_t pin = 0; pin < model.outputs().size(); ++pin) {
+    model.outputs()[pin].watch([&seen, pin](bool level, Clock state) { seen.emplace_back(state, 'o', pin, level); });
+  }
+  model.send_events_to([&seen](std::uint32_t group, bool high, Clock state) {
+    if (high) {
+      seen.emplace_back(state, 'e', group, 1);
+    }
+  });
+  for (const auto& [at, what, number, value] : stimuli) {
+    switch (what) {
+      case 'p': model.drive(number, value != 0, at); break;
+      case 'c': model.block(value != 0, at); break;
+      case 'w': seen.emplace_back(at + 1, 'a', model.write(number, value, at) == BusStatus::ok ? 0 : 1, 0); break;
+      default: {
+        const BusReply reply = model.read(number, at);
+        seen.emplace_back(at + 1, 'a', reply.status == BusStatus::ok ? 0 : 1, reply.value);
+      }
+    }
+  }
+  model.advance(end);
+  for (OutputPin& pin : model.outputs()) {
+    pin.watch({});
+  }
+  model.send_events_to({});
+  return seen;
+}
+
+struct ComponentModel {
+  std::unique_ptr<Component> model;
+};
+
+}  // namespace
+
+void bind_component(nb::module_& module) {
+  nb::class_<ComponentModel>(module, "ComponentModel", "The model of one component, on a clock that the caller owns.")
+      .def(
+          "__init__",
+          [](ComponentModel* self, nb::handle configuration, std::uint32_t data_bits) {
+            auto model = make_component(component_configuration_of(configuration, data_bits));
+            if (!model) {
+              throw nb::value_error("there is no model of this entity");
+            }
+            new (self) ComponentModel{std::move(model)};
+          },
+          nb::arg("configuration"), nb::arg("data_bits") = 32)
+      .def(
+          "play",
+          [](ComponentModel& self,
+             const std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>>& told, Clock end) {
+            std::vector<Stimulus> stimuli;
+            stimuli.reserve(told.size());
+            for (const auto& [at, what, number, value] : told) {
+              stimuli.emplace_back(at, what.at(0), number, value);
+            }
+            std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>> result;
+            for (const auto& [at, what, number, value] : play(*self.model, stimuli, end)) {
+              result.emplace_back(at, std::string(1, what), number, value);
+            }
+            return result;
+          },
+          nb::arg("stimuli"), nb::arg("end"),
+          "Plays (clock, what, number, value); gives what pins, bus and events do.");
+  module.def(
+      "has_component_model",
+      [](const std::string& entity) {
+        ComponentConfiguration one;
+        one.entity = entity;
+        return make_component(one) != nullptr;
+      },
+      nb::arg("entity"));
+}
+
+}  // namespace unitylink::python

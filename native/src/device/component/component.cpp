@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/component/component.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace unitylink::device {
+
+namespace {
+constexpr Clock access_clocks = 2;  // of register_slave
+}
+
+Component::Component(const ComponentConfiguration& configuration, std::string writable, bool snapshot)
+    : writable_(std::move(writable)),
+      snapshot_(snapshot),
+      words_(writable_.size()),
+      write_words_(writable_.size()),
+      frozen_(writable_.size()),
+      thawed_(writable_.size()),
+      outputs_(configuration.bits(false)),
+      events_(configuration.event_groups.size()) {
+  for (std::size_t number = 0; number < events_.size(); ++number) {
+    events_[number].group = configuration.event_groups[number];
+  }
+}
+
+void Component::advance(Clock state) {
+  while (state_ < state) {
+    const Clock edge = next_edge();
+    if (edge >= state) {
+      break;
+    }
+    lower(edge);
+    state_ = edge + 1;
+    step(edge);
+  }
+  state_ = std::max(state_, state);
+  lower(state_);
+}
+
+Clock Component::next_edge() const noexcept {
+  const Clock written = written_edge_ != never && written_edge_ >= state_ ? written_edge_ : never;
+  return std::min(std::max(next(), state_), written);
+}
+
+Clock Component::next_clock() const noexcept {
+  Clock soonest = never;
+  bool heard = false;
+  for (const Event& one : events_) {
+    heard = heard || (sink_ && one.group);
+    soonest = std::min(soonest, one.falls);
+  }
+  for (const OutputPin& pin : outputs_) {
+    heard = heard || pin.is_watched();
+  }
+  if (!heard) {
+    return never;
+  }
+  const Clock edge = next_edge();
+  return edge == never ? soonest : std::min(soonest, edge + 1);
+}
+
+Clock Component::begun(Clock at) {
+  const Clock start = std::max({at, free_at_, state_});
+  advance(start);
+  free_at_ = start + access_clocks;
+  return start;
+}
+
+// With a snapshot the slave reads the state before the edge at which it answers, which is one clock older.
+std::uint32_t Component::seen(std::uint32_t address, Clock at) const noexcept {
+  const Word& one = words_[address];
+  return snapshot_ && one.changed != never && one.changed + 1 == at ? one.before : one.value;
+}
+
+BusReply Component::read(std::uint32_t address, Clock at) {
+  const Clock start = begun(at);
+  if (address >= words_.size()) {
+    return {BusStatus::error, 0};
+  }
+  const bool frozen = held_ && snapshot_ && thawed_[address] == 0;
+  return {BusStatus::ok, frozen ? frozen_[address] : seen(address, start)};
+}
+
+BusStatus Component::write(std::uint32_t address, std::uint32_t value, Clock at) {
+  const Clock edge = begun(at);
+  if (address >= words_.size() || writable_[address] != '1') {
+    return BusStatus::error;
+  }
+  advance(edge + 1);  // this edge does not see the new word yet
+  write_words_[address] = value;
+  thawed_[address] = 1;
+  written_ = address;
+  written_edge_ = edge + 1;
+  stored(address, edge);
+  return BusStatus::ok;
+}
+
+void Component::block(bool held, Clock at) {
+  held_ = held;
+  if (!held || !snapshot_) {
+    return;
+  }
+  const Clock start = std::max({at, free_at_, state_});
+  advance(start);
+  for (std::uint32_t address = 0; address < words_.size(); ++address) {
+    frozen_[address] = seen(address, start);
+    thawed_[address] = 0;
+  }
+}
+
+BusReply Component::get(std::uint32_t address, Clock at) {
+  advance(at);
+  return address < words_.size() ? BusReply{BusStatus::ok, words_[address].value} : BusReply{BusStatus::error, 0};
+}
+
+void Component::drive(std::uint32_t pin, bool level, Clock at) {
+  const Clock edge = std::max(at, state_);
+  advance(edge);
+  driven(pin, level, edge);
+}
+
+void Component::word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept {
+  Word& one = words_[address];
+  if (one.changed != edge) {
+    one.before = one.value;
+    one.changed = edge;
+  }
+  one.value = value;
+}
+
+// An event in each of two clocks is one long pulse, and so one rising edge.
+void Component::event(std::uint32_t number, Clock edge) {
+  Event& one = events_[number];
+  if (one.falls != edge + 1) {
+    lower(edge);
+    send(one, true, edge + 1);
+  }
+  one.falls = edge + 2;
+}
+
+void Component::lower(Clock state) {
+  for (Event& one : events_) {
+    if (one.falls <= state) {
+      send(one, false, std::exchange(one.falls, never));
+    }
+  }
+}
+
+void Component::send(const Event& one, bool high, Clock state) const {
+  if (sink_ && one.group) {
+    sink_(*one.group, high, state);
+  }
+}
+
+}  // namespace unitylink::device

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The model of a component: its registers on the bus, its pins and its events. It is clock-true against the VHDL.
+//
+// Time. Clock n is the rising edge n, and the state n is that of all registers just before this edge. An access `at` n
+// has stb sampled by edge n, and a pin driven `at` n is sampled by edge n. What an edge n changes is seen in state n
+// + 1.
+//
+// A model does not run every clock. It says when its next edge is that changes something (`next`), and the base class
+// calls `step` for this edge and for each edge with `is_written`. So write a model like this:
+//
+//   class Lamp final : public Component {                      // components/lamp/lamp.cpp
+//    public:
+//     explicit Lamp(const ComponentConfiguration& from) : Component(from, "1", false) {}
+//    private:
+//     void stored(std::uint32_t, Clock edge) override { word(0, write_word(0) & 1, edge); output(0, write_word(0) & 1,
+//     edge); }
+//   };
+//   std::unique_ptr<Component> make_lamp(const ComponentConfiguration& from) { return std::make_unique<Lamp>(from); }
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "device/bus.hpp"
+#include "device/component/component_configuration.hpp"
+#include "device/component/output_pin.hpp"
+
+namespace unitylink::device {
+
+class Component : public Bus {
+ public:
+  // Accesses and pins that come while an earlier one is under way wait for it, as on the bus: an access takes 2 clocks.
+  BusReply read(std::uint32_t address, Clock at) final;
+  BusStatus write(std::uint32_t address, std::uint32_t value, Clock at) final;
+  void block(bool held, Clock at) final;
+  // The FPGA's own side: a word may be looked at, but nothing but the component sets it.
+  BusReply get(std::uint32_t address, Clock at) final;
+  BusStatus set(std::uint32_t, std::uint32_t, Clock) final { return BusStatus::error; }
+
+  void drive(std::uint32_t pin, bool level, Clock at);  // an input pin, by its place among the inputs
+  [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
+  void send_events_to(EventSink sink) { sink_ = std::move(sink); }
+
+  // The next clock at which an event or a watched output may change without an access. Others are computed when
+  // somebody looks, so an idle component costs nothing.
+  [[nodiscard]] Clock next_clock() const noexcept final;
+  void advance(Clock state) final;  // to this state
+
+ protected:
+  // `writable` has one character for each address, as for register_slave: 1 may be written. With `snapshot`, reads are
+  // of the moment when cyc rose.
+  Component(const ComponentConfiguration& configuration, std::string writable, bool snapshot);
+
+  // The next edge at which something changes while nothing comes from outside. never: it waits.
+  [[nodiscard]] virtual Clock next() const noexcept { return never; }
+  // Edge `edge` happens. Edges between two calls change nothing.
+  virtual void step(Clock /*edge*/) {}
+  // At `edge` write_word(address) got a value. In the next edge, is_written(address) is true.
+  virtual void stored(std::uint32_t /*address*/, Clock /*edge*/) {}
+  // An input pin has another level, which edge `edge` is the first to sample.
+  virtual void driven(std::uint32_t /*pin*/, bool /*level*/, Clock /*edge*/) {}
+
+  [[nodiscard]] std::uint32_t write_word(std::uint32_t address) const noexcept { return write_words_[address]; }
+  [[nodiscard]] bool is_written(std::uint32_t address, Clock edge) const noexcept {
+    return edge == written_edge_ && address == written_;
+  }
+  // What a read of `address` gives from state edge + 1 on.
+  void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
+  void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }
+  // The event is high for one clock, from state edge + 1 on.
+  void event(std::uint32_t number, Clock edge);
+
+ private:
+  struct Word {
+    std::uint32_t value = 0;
+    std::uint32_t before = 0;  // before edge `changed`
+    Clock changed = never;
+  };
+
+  struct Event {
+    std::optional<std::uint32_t> group;  // that it triggers
+    Clock falls = never;                 // while it is high: the state in which it is low again
+  };
+
+  [[nodiscard]] Clock next_edge() const noexcept;
+  [[nodiscard]] Clock begun(Clock at);
+  void lower(Clock state);
+  void send(const Event& one, bool high, Clock state) const;
+  [[nodiscard]] std::uint32_t seen(std::uint32_t address, Clock at) const noexcept;
+
+  std::string writable_;
+  bool snapshot_;
+  std::vector<Word> words_;
+  std::vector<std::uint32_t> write_words_;
+  std::vector<std::uint32_t> frozen_;  // of the block that is open
+  std::vector<char> thawed_;           // written in this block
+  bool held_ = false;
+  std::vector<OutputPin> outputs_;
+  std::vector<Event> events_;
+  EventSink sink_;
+  Clock state_ = 0;    // everything before this edge has happened
+  Clock free_at_ = 0;  // when the bus may begin another access
+  std::uint32_t written_ = 0;
+  Clock written_edge_ = never;  // the edge that sees `written`
+};
+
+// The model of the entity of `configuration`. nullptr: there is none, and its words are plain ones.
+std::unique_ptr<Component> make_component(const ComponentConfiguration& configuration);
+
+}  // namespace unitylink::device

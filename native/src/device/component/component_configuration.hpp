@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a spec says of a component: where it is, its generics, its pins and its events.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace unitylink::device {
+
+struct PinConfiguration {
+  std::string name;
+  bool input = false;
+  std::uint32_t bits = 1;
+};
+
+struct GenericConfiguration {
+  std::string name;
+  std::int64_t value = 0;
+};
+
+struct ComponentConfiguration {
+  std::string path;    // of the instance: "wheel[0]"
+  std::string entity;  // "quadrature_encoder"
+  std::uint32_t base = 0;
+  std::uint32_t words = 1;
+  std::uint32_t data_bits = 32;
+  std::vector<GenericConfiguration> generics;  // with clock_hz, if the entity has it
+  std::vector<PinConfiguration> pins;
+  std::vector<std::optional<std::uint32_t>> event_groups;  // of each event: the group that it triggers
+
+  // The value of a generic, or `otherwise` if the spec gives none.
+  [[nodiscard]] std::int64_t generic(const char* name, std::int64_t otherwise) const noexcept {
+    for (const GenericConfiguration& one : generics) {
+      if (one.name == name) {
+        return one.value;
+      }
+    }
+    return otherwise;
+  }
+  [[nodiscard]] std::uint32_t bits(bool input) const noexcept {
+    std::uint32_t sum = 0;
+    for (const PinConfiguration& pin : pins) {
+      sum += pin.input == input ? pin.bits : 0;
+    }
+    return sum;
+  }
+  [[nodiscard]] std::uint32_t data_mask() const noexcept {
+    return data_bits >= 32 ? 0xFFFFFFFFu : (1u << data_bits) - 1u;
+  }
+};
+
+}  // namespace unitylink::device

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The components of a spec, as a virtual board needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from unitylink.spec.model import Instance, Spec
+
+
+@dataclass(frozen=True)
+class ComponentConfiguration:
+    """A component at `base`: its entity, its generics and its ports beside the bus.
+
+    `pins` are (port, "in" | "out" | "inout", bits; 0 for a single signal). `event_groups` has, for each of
+    `events`, the publish group that it triggers, or None.
+    """
+
+    path: str
+    entity: str
+    base: int
+    words: int
+    generics: tuple[tuple[str, int], ...] = ()
+    pins: tuple[tuple[str, str, int], ...] = ()
+    events: tuple[str, ...] = ()
+    event_groups: tuple[int | None, ...] = ()
+
+    @property
+    def addresses(self) -> range:
+        return range(self.base, self.base + self.words)
+
+
+def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ...]:
+    """Return the components of a spec in the order of the text, at a design's clock.
+
+    >>> from unitylink.spec import compile_text
+    >>> spec = compile_text("public a() { pad: gpio(pins=4); }").spec
+    >>> [(one.path, one.entity, one.words) for one in components_of(spec, 50_000_000)]
+    [('pad', 'gpio', 6)]
+    """
+    groups = {
+        (device.root, group.event): group.number
+        for device in spec.devices
+        for group in device.groups
+        if group.trigger == "event"
+    }
+    found = []
+    for root in spec.roots:
+        for instance in _instances(root):
+            one = instance.component
+            if one is None:
+                continue
+            generics = {name: clock_hz if name == "clock_hz" else value for name, value in one.generics}
+            triggered = tuple(groups.get((root.name, f"{instance.path}.{event}")) for event in one.events)
+            told = (instance.path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
+            found.append(ComponentConfiguration(*told, one.events, triggered))
+    return tuple(found)
+
+
+def _instances(root: Instance) -> Iterator[Instance]:
+    for inner in root.instances:
+        yield inner
+        yield from _instances(inner)
