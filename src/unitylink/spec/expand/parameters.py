@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ..meaning.evaluate import Evaluator, Quantity, RunTime, Value
+from ..meaning.evaluate import MISSING, NONE, Evaluator, Quantity, RunTime, Value
 from ..meaning.scope import Scope, matched
 from ..text.syntax import Argument, ExpansionNode, Parameter
 
@@ -64,6 +64,8 @@ class Parameters:
         self, parameter: Parameter, argument: Argument, names: Mapping[str, Value], callee: str
     ) -> Value | None:
         what = f"`{parameter.text}` of `{callee}`"
+        if self.evaluator.is_missing(argument, names):
+            return self._none(parameter, argument, callee)
         kind = parameter.type.text if parameter.type else ""
         if kind == "int":
             return self.evaluator.integer(argument, names, what, -_INT_MAX, 2 * _INT_MAX - 1)
@@ -78,3 +80,12 @@ class Parameters:
         if value is None or isinstance(value, str) or (not kind and isinstance(value, RunTime)):
             return value
         return self.evaluator.text(argument, names, what)
+
+    def _none(self, parameter: Parameter, argument: Argument, callee: str) -> Value | None:
+        """Return `none`, for a parameter whose default it is. Otherwise report it."""
+        if self.evaluator.is_missing(parameter.default, _NOTHING):
+            return MISSING
+        message = f"`{parameter.text}` of `{callee}` cannot be `{NONE}`"
+        hint = f"give it a value; only a parameter with the default `{NONE}` may be left out like this"
+        self.evaluator.reporter.report("UL094", argument.start, argument.end, message, hint)
+        return None

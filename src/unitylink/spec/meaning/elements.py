@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..model import WRITES, Link, Publish
-from ..text.syntax import ElementNode
+from ..text.syntax import ElementNode, Property
 from ..types import ValueType
 from .declared import Declared
 from .evaluate import Value
@@ -61,6 +61,8 @@ class ElementReader:
         publish: Publish | None = None
         others = []
         for one in node.properties:
+            if self._is_left_out(one, names):
+                continue
             if one.key == "CRC":
                 checked = True
             elif one.key == "PUBLISH":
@@ -85,6 +87,11 @@ class ElementReader:
             self.evaluator.reporter.report("UL092", node.name.start, node.name.end, message, hint)
             return None
         return ElementFacts(kind, -(-kind.width // link.data_bits), checked, publish, facts)
+
+    def _is_left_out(self, one: Property, names: Mapping[str, Value]) -> bool:
+        """Is this a property whose value is a parameter that nobody gave?"""
+        rates = one.publish.rates if one.publish else []
+        return self.evaluator.is_missing(rates[0] if len(rates) == 1 else one.argument, names)
 
     def _type(self, node: ElementNode, names: Mapping[str, Value], link: Link) -> ValueType | None:
         if node.type is not None and node.type.name.text != "signed":

@@ -8,7 +8,7 @@ whole, this is an error. Nothing is rounded silently.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Union
 
@@ -31,16 +31,25 @@ class RunTime:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a unit, in the SI's own units."""
+    """A number with a unit, in the SI's own units. `unit` is the text of the unit in which it was written."""
 
     value: Fraction
     dimension: Dimension
+    unit: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True)
+class Missing:
+    """The value of a parameter that is not given: `none`. A property with it is left out."""
 
 
 Plain = Union[int, Fraction]
-Value = Union[int, Fraction, str, Quantity, RunTime]
+Value = Union[int, Fraction, str, Quantity, RunTime, Missing]
 
-_WORDS: dict[str, Value] = {"true": 1, "false": 0}
+MISSING = Missing()
+NONE = "none"
+PI = Fraction("3.14159265358979323846264338327950288")
+WORDS: dict[str, Value] = {"true": 1, "false": 0, "pi": PI, NONE: MISSING}
 
 
 class Stop(Exception):
@@ -65,6 +74,16 @@ class Evaluator:
         except Stop:
             return None
 
+    def is_missing(self, expression: Expression | None, names: Mapping[str, Value]) -> bool:
+        """Is this `none`, or one name that stands for it?"""
+        part = expression
+        while isinstance(part, Argument) and len(part.parts) == 1:
+            part = part.parts[0]
+        if not isinstance(part, Name):
+            return False
+        self.used = self.used or part.text in names
+        return names.get(part.text, self.constants.get(part.text, WORDS.get(part.text))) is MISSING
+
     def text(self, expression: Expression, names: Mapping[str, Value], what: str) -> str | None:
         """Return the value of an expression that must be a string."""
         value = self.value(expression, names)
@@ -80,7 +99,7 @@ class Evaluator:
         value = self.value(expression, names)
         if value is None:
             return None
-        if isinstance(value, (str, RunTime, Quantity)):
+        if isinstance(value, (str, RunTime, Quantity, Missing)):
             self._wrong_kind(expression, f"{what} is a number", value)
             return None
         if isinstance(value, Fraction):
@@ -100,7 +119,7 @@ class Evaluator:
         value = self.value(expression, names)
         if value is None:
             return None
-        if isinstance(value, (str, RunTime)):
+        if isinstance(value, (str, RunTime, Missing)):
             self._wrong_kind(expression, f"{what} is a number", value)
             return None
         if not isinstance(value, Quantity):
@@ -138,7 +157,7 @@ class Evaluator:
             return found
         found = self.constants.get(node.text)
         if found is None:
-            found = _WORDS.get(node.text)
+            found = WORDS.get(node.text)
         if found is None:
             self.used = True
             raise Stop
@@ -149,7 +168,7 @@ class Evaluator:
         if found is None:
             self.unknown_unit(node.unit, node.start, node.end, quoted=False)
             raise Stop
-        return Quantity(node.value * found.factor + found.offset, found.dimension)
+        return Quantity(node.value * found.factor + found.offset, found.dimension, node.unit)
 
     def unknown_unit(self, text: str, start: int, end: int, *, quoted: bool) -> None:
         """Report that there is no such unit. `quoted` says that only a string may be at this place."""
@@ -169,7 +188,9 @@ class Evaluator:
         texts: list[str] = []
         length = 0
         for value, part in zip(values, node.parts, strict=True):
-            if isinstance(value, (RunTime, Quantity)) or (isinstance(part, Operation) and part.left is None):
+            if isinstance(value, (RunTime, Quantity, Missing)) or (
+                isinstance(part, Operation) and part.left is None
+            ):
                 self._wrong_kind(part, "this sum is a string", value)
                 raise Stop
             text = (
@@ -195,7 +216,7 @@ class Evaluator:
                 message = "these do not measure the same: they cannot be added"
                 self.reporter.report("UL088", node.start, node.end, message, "give both in units of one kind")
             else:
-                return Quantity(left.value + right.value, left.dimension)
+                return Quantity(left.value + right.value, left.dimension, left.unit)
             raise Stop
         return self._bounded(self._plain(left, node) + self._plain(right, node), node)
 
@@ -207,7 +228,7 @@ class Evaluator:
         right = self._value(node.right, names)
         if node.left is None:
             if isinstance(right, Quantity):
-                return Quantity(-right.value, right.dimension)
+                return Quantity(-right.value, right.dimension, right.unit)
             return -self._plain(right, node.right)
         left = self._value(node.left, names)
         if node.operator in ("*", "/") and (isinstance(left, Quantity) or isinstance(right, Quantity)):
@@ -235,12 +256,20 @@ class Evaluator:
         if isinstance(left, Quantity):
             factor = Fraction(self._plain(right, node.right))
             value = left.value * factor if node.operator == "*" else left.value / self._divisor(factor, node)
-            return Quantity(Fraction(self._bounded(value, node)), left.dimension)
+            return Quantity(Fraction(self._bounded(value, node)), left.dimension, left.unit)
         if node.operator == "*" and isinstance(right, Quantity):
             value = Fraction(self._plain(left, node.right)) * right.value
-            return Quantity(Fraction(self._bounded(value, node)), right.dimension)
+            return Quantity(Fraction(self._bounded(value, node)), right.dimension, right.unit)
+        if isinstance(node.right, Number) and isinstance(right, Quantity):
+            return self._quotient(node, left, node.right)
         self._mixed(node)
         raise Stop
+
+    def _quotient(self, node: Operation, left: Value, right: Number) -> Quantity:
+        """A unit behind a quotient is that of the whole: `2*pi/4096 rad` is so many radians."""
+        value = Fraction(self._plain(left, node.left or node)) / self._divisor(right.value, node)
+        self._bounded(value, node)
+        return self._with_unit(Number(value, right.start, right.end, right.unit))
 
     def _whole_operation(self, node: Operation, a: int, b: int) -> int:
         if node.operator == "%":
@@ -298,6 +327,8 @@ class Evaluator:
             code = "UL037"
             given = f"`{value.name}` is a run-time parameter"
             hint = "a parameter that reaches CTRL or COMM is a controller or connection given at run time"
+        elif isinstance(value, Missing):
+            given, hint = "this is `none`", "give it a value where the constructor is used"
         elif isinstance(value, Quantity):
             given, hint = "this has a unit", "write the number without its unit"
         elif not isinstance(value, str):

@@ -12,7 +12,7 @@ from ..report.diagnostics import Reporter
 from ..text.syntax import Argument, Property, Text
 from ..types import Number, ValueType
 from ..units import Unit, unit
-from .evaluate import Evaluator, Plain, Value
+from .evaluate import Evaluator, Plain, Quantity, Value
 
 _NOTHING: dict[str, Value] = {}
 _OVERFLOWS = ("error", "saturate")
@@ -100,6 +100,8 @@ class _Reader:
         scale_unit = self._unit()
         if not self.good:
             return False
+        if scale_unit is None:
+            scale_unit = self._unit_of_scale()
         for key in ("SCALE", "OFFSET"):
             value = self._quantity(key, scale_unit)
             if value is not None and key == "SCALE":
@@ -141,6 +143,15 @@ class _Reader:
             return None
         self.facts.unit = text
         return found
+
+    def _unit_of_scale(self) -> Unit | None:
+        """Return the unit of a SCALE that has one. Then it is that of the value too."""
+        one = self.facts.given.get("SCALE")
+        value = self.evaluator.value(one.argument, self.names) if one is not None and one.argument else None
+        if not isinstance(value, Quantity) or not value.unit:
+            return None
+        self.facts.unit = value.unit
+        return unit(value.unit)
 
     def _quantity(self, key: str, wanted: Unit | None) -> Plain | None:
         one = self.facts.given.get(key)

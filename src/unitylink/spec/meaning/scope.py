@@ -31,6 +31,7 @@ from ..text.syntax import (
     Property,
 )
 from .declared import Declared
+from .evaluate import WORDS
 from .type_names import names_of
 
 UsableNode = Union[ExpansionNode, ElementNode, GroupNode]
@@ -279,7 +280,7 @@ class Scopes:
                 scope.computed.setdefault(text, name)
             elif text in self.declared.constants:
                 self.declared.used.add(text)
-            elif not (array and text == INDEX) and text not in ("true", "false"):
+            elif not (array and text == INDEX) and text not in WORDS:
                 if text not in self.declared.lost:
                     candidates = chain(scope.parameters, self.declared.constants, ("true", "false"))
                     self._no_parameter(scope, name, "parameter", candidates, advice)
