@@ -8,9 +8,8 @@ from __future__ import annotations
 from unitylink.simulate import Registers
 from unitylink.spec import Spec
 
-ENABLED_AS_SERVO = 0b11
-CENTRE_US = 1500
-COUNTS_A_US = 2  # counts of the wheel for each microsecond of pulse away from the centre
+CENTRE_S = 0.0015
+COUNTS_A_S = 2_000_000  # counts of the wheel for each second of pulse away from the centre
 SPEED = 4000.0  # counts a second
 LIMIT = 1600  # counts
 
@@ -19,7 +18,7 @@ class Plant:
     period_s = 0.001
 
     def __init__(self) -> None:
-        self.position = 0.0
+        self.position = self.goal = 0.0
         self.trips = 0
         self.at_limit = False
 
@@ -27,20 +26,22 @@ class Plant:
         """Find the words by their names."""
         assert spec is not None
         self.registers = registers
+        self.servo, self.wheel = registers.components["drive"], registers.components["wheel"]
         self.address = {path: element.address for path, element in spec.walk()}
         self.events = {group.event: group.number for device in spec.devices for group in device.groups}
 
     def step(self, time_s: float) -> None:
         """Let the wheel follow its servo for a millisecond."""
         words, at = self.registers, self.address
-        if words[at["drive.control"]] == ENABLED_AS_SERVO and words[at["drive.width[0]"]]:
-            goal = (words[at["drive.width[0]"]] - CENTRE_US) * COUNTS_A_US
-            most = SPEED * self.period_s
-            self.position += min(max(goal - self.position, -most), most)
+        pulse_s = self.servo.pulse_s("pins", 0)
+        if pulse_s is not None:  # one comes every 20 ms, and none when the servo is limp
+            self.goal = (pulse_s - CENTRE_S) * COUNTS_A_S
+        most = SPEED * self.period_s
+        self.position += min(max(self.goal - self.position, -most), most)
+        self.wheel.turn(round(self.position), self.period_s)
         at_limit = abs(self.position) >= LIMIT
         tripped, self.at_limit = at_limit and not self.at_limit, at_limit
         self.trips += tripped
-        words[at["wheel.position"]] = round(self.position)
         words[at["trips"]] = self.trips
         words[at["uptime_ms"]] = round(time_s * 1000)
         if tripped:

@@ -124,6 +124,9 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle buffer : nb::object(object.attr("double_buffers"))) {
     result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});
   }
+  for (nb::handle one : nb::object(object.attr("components"))) {
+    result.components.push_back(component_configuration_of(one, result.data_bits));
+  }
   for (nb::handle safe : nb::object(object.attr("safe_words"))) {
     result.safe_words.push_back(
         {word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
@@ -372,6 +375,28 @@ void bind_board(nb::module_& module) {
       .def("receive_error", &Board::receive_error, nb::arg("bits"), Release())
       .def("damage_cycle", &Board::damage_cycle, Release())
       .def("hang_up", &Board::hang_up, Release())
+      .def("drive", &Board::drive, nb::arg("component"), nb::arg("pin"), nb::arg("level"), Release())
+      .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())
+      .def(
+          "turn",
+          [](PythonBoard& self, std::uint32_t component,
+             const std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>& at, std::int64_t per_turn,
+             std::int64_t counts, double seconds) {
+            return self.turn(component, {std::get<0>(at), std::get<1>(at), std::get<2>(at), per_turn}, counts, seconds);
+          },
+          nb::arg("component"), nb::arg("lines"), nb::arg("per_turn"), nb::arg("counts"), nb::arg("seconds"), Release())
+      .def(
+          "look",
+          [](PythonBoard& self, std::uint32_t component, std::uint32_t pin) -> nb::object {
+            std::optional<SeenPin> seen;
+            {
+              const GilRelease released;
+              seen = self.look(component, pin);
+            }
+            return seen ? nb::object(nb::make_tuple(seen->level, seen->rises, seen->steps, seen->high_s, seen->time_s))
+                        : nb::none();
+          },
+          nb::arg("component"), nb::arg("pin"), "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
       .def(
           "async_take",

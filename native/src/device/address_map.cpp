@@ -45,6 +45,16 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
   for (const DoubleBufferConfiguration& buffer : configuration.double_buffers) {
     add(buffer.base, buffer.size + 1, std::make_unique<DoubleBuffer>(buffer.size));
   }
+  for (const ComponentConfiguration& one : configuration.components) {
+    std::unique_ptr<Component> model = make_component(one);
+    components_.push_back(model.get());
+    if (model) {
+      model->send_events_to(sink);
+      timed_.push_back(model.get());
+      add(one.base, one.words, std::move(model));
+      regions_.back().is_component = true;
+    }
+  }
   regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});
 }
 
@@ -75,7 +85,9 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
   Region& at = region(address);
   const std::uint32_t word = value & data_mask_;
   BusStatus status = BusStatus::ok;
-  if (among(flags_, address)) {
+  if (at.is_component) {
+    status = at.slave->write(address - at.range.first, word, now);
+  } else if (among(flags_, address)) {
     status =
         at.slave->write(address - at.range.first, at.slave->read(address - at.range.first, now).value & ~word, now);
   } else if (!among(strobes_, address)) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "device/bus.hpp"
+#include "device/component/component.hpp"
 #include "device/configuration.hpp"
 #include "device/tosnet.hpp"
 
@@ -33,11 +34,14 @@ class AddressMap final : public Bus {
   void advance(Clock now) override;
 
   [[nodiscard]] Tosnet* tosnet() const noexcept { return tosnet_; }
+  // The models of the components, in the order of the configuration; nullptr where there is none.
+  [[nodiscard]] const std::vector<Component*>& components() const noexcept { return components_; }
 
  private:
   struct Region {
     AddressRange range;
     std::unique_ptr<Bus> slave;
+    bool is_component = false;  // it knows itself which words are flags and strobes
   };
 
   [[nodiscard]] Region& region(std::uint32_t address);
@@ -51,6 +55,7 @@ class AddressMap final : public Bus {
   std::vector<Bus*> timed_;      // slaves that act without an access
   std::function<void(std::uint32_t, std::uint32_t)> observer_;
   Tosnet* tosnet_ = nullptr;
+  std::vector<Component*> components_;
   std::uint32_t address_mask_;
   std::uint32_t data_mask_;
 };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +32,15 @@ struct BoardStatistics {
   std::uint64_t bytes_dropped = 0;  // bytes published without a client
   std::uint64_t plant_steps = 0;
   double time_slipped_s = 0;  // how late the device clock is because the machine was too busy
+};
+
+// An output pin of a component, since the board was made.
+struct SeenPin {
+  bool level = false;
+  std::uint64_t rises = 0;
+  std::int64_t steps = 0;
+  double high_s = 0;
+  double time_s = 0;  // when it was looked at
 };
 
 // A client that leaves frees the board, and its settings stay. Publishing continues without a client, as on a real
@@ -60,6 +70,11 @@ class Board {
   void hang_up();  // the line to the client breaks; the device continues
   bool async_take(AsyncWord& word);
   bool async_give(const AsyncWord& word);
+  // The pins of components: their outside. False or nothing: there is no such pin.
+  bool drive(std::uint32_t component, std::uint32_t pin, bool level);
+  bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, double seconds);
+  bool count_by(std::uint32_t component, std::uint32_t pin, std::uint32_t direction);
+  std::optional<SeenPin> look(std::uint32_t component, std::uint32_t pin);
   void set_online(bool online);  // this call and the next are for the TosNet
   void damage_cycle();
   BoardStatistics statistics();

@@ -108,6 +108,9 @@ std::string DeviceConfiguration::problem() const {
     }
     slaves.push_back({"double buffer", buffer.base, std::uint64_t{buffer.size} + 1});
   }
+  for (const ComponentConfiguration& one : components) {
+    slaves.push_back({one.path, one.base, one.words});
+  }
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     if (slaves[i].first + slaves[i].size - 1 > address_mask()) {
       return slaves[i].name + " at " + std::to_string(slaves[i].first) + " does not fit " +

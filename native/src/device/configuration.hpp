@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "device/component/component_configuration.hpp"
 #include "unitylink/protocol.hpp"
 #include "unitylink/settings.hpp"
 
@@ -68,6 +69,7 @@ struct DeviceConfiguration : Settings {
   TosnetConfiguration tosnet;
   std::vector<FifoConfiguration> fifos;
   std::vector<DoubleBufferConfiguration> double_buffers;
+  std::vector<ComponentConfiguration> components;  // of the spec; those without a model are plain words
 
   [[nodiscard]] bool has_classic() const noexcept { return protocol != Protocol::framed; }
   [[nodiscard]] bool has_framed() const noexcept { return protocol != Protocol::classic; }

@@ -10,6 +10,7 @@ Device::Device(const DeviceConfiguration& configuration)
     : configuration_(configuration),
       bus_(configuration_,
            [this](std::uint32_t group, bool high, Clock now) { subscriptions_.set_input(group, high, now); }),
+      pins_(configuration_.components, bus_.components()),
       dead_man_(configuration_, bus_),
       master_2012_(bus_, configuration_.data_bits),
       input_(configuration_),
@@ -124,7 +125,7 @@ Clock Device::next_event() const noexcept { return std::min({next_beside_frames(
 
 Clock Device::next_beside_frames() const noexcept {
   return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(),
-                   subscriptions_.next_clock(), bus_.next_clock()});
+                   subscriptions_.next_clock(), bus_.next_clock(), pins_.next_turn()});
 }
 
 void Device::run_until(Clock clock) {
@@ -154,6 +155,8 @@ void Device::run_until(Clock clock) {
       transmitter_.step();
     } else if (subscriptions_.next_clock() <= next) {
       subscriptions_.advance(clock_);
+    } else if (pins_.next_turn() <= next) {
+      pins_.advance_turns(clock_);
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
     } else if (framed <= next) {

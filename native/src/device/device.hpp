@@ -8,6 +8,7 @@
 #include "device/application.hpp"
 #include "device/bus_master_2012.hpp"
 #include "device/clock.hpp"
+#include "device/component/model_pins.hpp"
 #include "device/configuration.hpp"
 #include "device/datalink_receiver.hpp"
 #include "device/datalink_transmitter.hpp"
@@ -54,6 +55,7 @@ class Device final : public ServedDevice {
   BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
   BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }
   [[nodiscard]] Tosnet* tosnet() noexcept override { return bus_.tosnet(); }
+  [[nodiscard]] Pins& pins() noexcept override { return pins_; }
   [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
 
  private:
@@ -69,6 +71,7 @@ class Device final : public ServedDevice {
 
   DeviceConfiguration configuration_;
   AddressMap bus_;
+  ModelPins pins_;
   DeadMan dead_man_;  // in front of the bus
   BusMaster2012 master_2012_;
   PhysicalReceiver input_;

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "device/component/model_pins.hpp"
 #include "device/served_device.hpp"
 #include "unitylink/rtl_model.h"
 
@@ -47,6 +48,7 @@ class RtlDevice final : public ServedDevice {
   bool take(TimedByte& byte) noexcept override;
   [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }
   BusReply get(std::uint32_t address) override;
+  [[nodiscard]] Pins& pins() noexcept override { return outside_; }
   BusStatus set(std::uint32_t address, std::uint32_t value) override;
   [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
   [[nodiscard]] std::string failure() const override;
@@ -88,6 +90,7 @@ class RtlDevice final : public ServedDevice {
   std::uint8_t error_ = 0;
   Clock clock_ = 0;
   DeviceStatistics statistics_;
+  ModelPins outside_{{}, {}};
 };
 
 }  // namespace unitylink::device

@@ -8,6 +8,7 @@
 
 #include "device/bus.hpp"
 #include "device/clock.hpp"
+#include "device/component/pins.hpp"
 #include "device/configuration.hpp"
 #include "device/physical.hpp"
 
@@ -59,6 +60,7 @@ class ServedDevice {
   virtual BusReply get(std::uint32_t address) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value) = 0;
   [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network, if it is a model
+  [[nodiscard]] virtual Pins& pins() noexcept = 0;                     // of the components
 
   [[nodiscard]] virtual const DeviceStatistics& statistics() const noexcept = 0;
   [[nodiscard]] virtual std::string failure() const { return {}; }  // why the device has stopped, if it has

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from unitylink.errors import ValueRangeError
+from unitylink.interface.components import ComponentConfiguration, components_of
 from unitylink.interface.engine import SMALL, beyond_small, lacks, small_will_do
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hash
@@ -106,6 +107,7 @@ class BoardConfiguration(Settings):
     tosnet: TosnetConfiguration | None = None
     fifos: tuple[FifoConfiguration, ...] = ()
     double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
+    components: tuple[ComponentConfiguration, ...] = ()
 
     def __post_init__(self) -> None:
         for setting in SETTINGS.values():
@@ -191,6 +193,7 @@ class BoardConfiguration(Settings):
                 )
             ),
         }
+        chosen["components"] = components_of(spec, overrides.get("clock_hz", CLOCK_HZ_DEFAULT))
         chosen = {**chosen, **_link_of(spec), **_publishing_of(spec), **overrides}
         board = cls(**{**chosen, "engine": "fast"})
         if "engine" not in chosen and small_will_do(spec, board, overrides):

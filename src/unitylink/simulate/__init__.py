@@ -13,6 +13,7 @@ from unitylink.interface.board_configuration import (
 
 from .board import Board, BoardStatistics
 from .board_values import BoardValues
+from .components import BoardComponent, BoardComponents
 from .plant import DEFAULT_PLANT, PLANTS, Plant, load_plant
 from .plants import Echo, LoopbackPlant, Ramp, RampPlant, ScaraPlant, WordPlant
 from .registers import Registers
@@ -22,6 +23,8 @@ __all__ = [
     "DEFAULT_PLANT",
     "PLANTS",
     "Board",
+    "BoardComponent",
+    "BoardComponents",
     "BoardConfiguration",
     "BoardStatistics",
     "BoardValues",

@@ -18,6 +18,7 @@ from unitylink.spec.model import Spec
 from unitylink.values import Codec, Quantity
 
 from .changes import ChangeWatch
+from .components import BoardComponents
 from .plant import AnyPlant, check_plant
 from .plants.ramp import RampPlant
 from .plants.words import WordPlant
@@ -61,7 +62,8 @@ class Board:
     noticed only when its system reports that its port is closed. If a client does not read, the board's
     transmit FIFO fills and the board waits.
 
-    Without a plant, a board with a spec gets `RampPlant`.
+    Without a plant, a board with a spec gets `RampPlant`. The components of the spec behave as in the FPGA.
+    Their outside is `components`.
 
     Raises ValueRangeError (for the configuration), LinkNotFound (the endpoint cannot be made) or
     UnityLinkError (for the plant).
@@ -85,7 +87,8 @@ class Board:
         self.plant = plant
         self._plant_error: UnityLinkError | None = None
         self._native = self._make_native(endpoint, bind)
-        self.registers = Registers(self._native, configuration.data_bits)
+        self.components = BoardComponents(self._native, configuration.components)
+        self.registers = Registers(self._native, configuration.data_bits, self.components)
         self._closed = False
         if spec is not None:
             self._power_up(spec)
@@ -104,7 +107,8 @@ class Board:
                 codec = Codec(path, Quantity.of(element), self.configuration.data_bits)
                 words = codec.split(codec.encode(element.initial))
                 for address, word in zip(element.addresses, words, strict=True):
-                    self.registers[address] = word
+                    if not self.components.owns(address):
+                        self.registers[address] = word
 
     def _attach(self, plant: AnyPlant) -> None:
         name = type(plant).__name__

@@ -6,6 +6,8 @@ from __future__ import annotations
 from unitylink import _native
 from unitylink.errors import ValueRangeError
 
+from .components import BoardComponents
+
 
 class Registers:
     """The registers as the logic in the FPGA sees them: `registers[address]` is a raw unsigned word.
@@ -17,11 +19,16 @@ class Registers:
 
         registers[0x88] = -1200          # an encoder count
         set_point = registers.signed(0x8C)
+
+    The words of a component are its own: a plant reads them, and drives the pins in `components`.
     """
 
-    def __init__(self, native: _native.Board, data_bits: int) -> None:
+    def __init__(
+        self, native: _native.Board, data_bits: int, components: BoardComponents | None = None
+    ) -> None:
         self._native = native
         self._data_bits = data_bits
+        self.components = components if components is not None else BoardComponents(native, ())
 
     @property
     def data_bits(self) -> int:
@@ -43,7 +50,7 @@ class Registers:
         if not self._native.set(self._word(address), value & ((1 << self._data_bits) - 1)):
             raise ValueRangeError(
                 f"register 0x{address:04x} cannot be set from the board: "
-                "it belongs to the PC, is full, or does not exist"
+                "it belongs to the PC or to a component, is full, or does not exist"
             )
 
     def signed(self, address: int) -> int:

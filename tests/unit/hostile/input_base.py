@@ -9,6 +9,7 @@ from pathlib import Path
 
 from unitylink.cli import main
 from unitylink.commands.names import Names
+from unitylink.simulate import BoardComponents
 from unitylink.spec import Spec, load
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -29,6 +30,7 @@ class Registers(dict[int, int]):
     """The part of a board's registers that a plant uses."""
 
     data_bits = 32
+    components = BoardComponents(None, ())  # type: ignore[arg-type]  # without any
 
 
 def command(words: list[str], folder: Path) -> None:

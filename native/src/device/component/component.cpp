@@ -17,6 +17,7 @@ Component::Component(const ComponentConfiguration& configuration, std::string wr
       write_words_(writable_.size()),
       frozen_(writable_.size()),
       thawed_(writable_.size()),
+      inputs_(configuration.bits(true)),
       outputs_(configuration.bits(false)),
       events_(configuration.event_groups.size()) {
   for (std::size_t number = 0; number < events_.size(); ++number) {

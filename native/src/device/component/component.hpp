@@ -40,6 +40,7 @@ class Component : public Bus {
   BusStatus set(std::uint32_t, std::uint32_t, Clock) final { return BusStatus::error; }
 
   void drive(std::uint32_t pin, bool level, Clock at);  // an input pin, by its place among the inputs
+  [[nodiscard]] std::uint32_t inputs() const noexcept { return inputs_; }  // how many
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
   void send_events_to(EventSink sink) { sink_ = std::move(sink); }
 
@@ -97,6 +98,7 @@ class Component : public Bus {
   std::vector<std::uint32_t> frozen_;  // of the block that is open
   std::vector<char> thawed_;           // written in this block
   bool held_ = false;
+  std::uint32_t inputs_;
   std::vector<OutputPin> outputs_;
   std::vector<Event> events_;
   EventSink sink_;

@@ -43,6 +43,9 @@ class WordPlant:
         """Fill `ramps` and `echoes` for the elements of `spec`, in `fill`."""
         self._registers = registers
         self.fill(spec, registers)
+        owns = registers.components.owns
+        self.ramps = [ramp for ramp in self.ramps if not owns(ramp.address)]
+        self.echoes = [echo for echo in self.echoes if not owns(echo.target)]
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:
         """Choose ramps and echoes, in a subclass."""

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pins of all components of a device, as the outside drives and sees them: the seam between a component and a
+// plant. It is the same for models and for compiled gateware, so a plant runs unchanged on both.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "device/clock.hpp"
+#include "device/component/output_pin.hpp"
+
+namespace unitylink::device {
+
+// The two or three lines of an incremental encoder, as input pins. index: high while counts % per_turn is 0.
+struct EncoderLines {
+  std::uint32_t a = 0;
+  std::uint32_t b = 1;
+  std::uint32_t index = 2;
+  std::int64_t per_turn = 0;  // 0: there is no index
+
+  friend bool operator<(const EncoderLines& left, const EncoderLines& right) noexcept { return left.a < right.a; }
+};
+
+class Pins {
+ public:
+  virtual ~Pins() = default;
+  // Numbers are places among the inputs, or among the outputs, of a component. False: there is no such pin.
+  virtual bool drive(std::uint32_t component, std::uint32_t pin, bool level, Clock at) = 0;
+  // The output as it is in this state, or nullptr.
+  virtual OutputPin* output(std::uint32_t component, std::uint32_t pin, Clock state) = 0;
+
+  // Turns an encoder to so many counts, evenly until `until`. The lines change at their own clocks meanwhile.
+  bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
+  // When the next line of an encoder changes.
+  [[nodiscard]] Clock next_turn() const noexcept;
+  void advance_turns(Clock now);
+
+ private:
+  struct Shaft {
+    std::int64_t counts = 0;  // that the lines show
+    std::int64_t from = 0;    // counts at `begun`
+    std::int64_t to = 0;
+    Clock begun = 0;
+    Clock until = 0;
+
+    [[nodiscard]] Clock next() const noexcept;
+    [[nodiscard]] std::int64_t at(Clock now) const noexcept;
+  };
+
+  void show(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock at);
+
+  std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
+};
+
+}  // namespace unitylink::device

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The outside of the components of a virtual board: what a plant drives, and what it sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from unitylink import _native
+from unitylink.errors import ValueRangeError
+from unitylink.interface.components import ComponentConfiguration
+
+
+class BoardComponent:
+    """The pins of one component from outside, and quantities above them.
+
+        wheel = board.components["wheel"]      # quadrature_encoder
+        wheel.turn(4096, seconds=0.1)          # its lines a and b run through 4096 counts
+        drive = board.components["drive"]      # pwm
+        drive.duty("pins", 0)                  # the share of high time since the last look, 0 to 1
+        drive.pulse_s("pins", 0)               # the length of a servo's pulse
+
+    Inputs are driven by `drive` and `turn`. Outputs are seen by `level`, `rises`, `steps`, `duty` and
+    `pulse_s`. No edge is missed between two looks. Calls may come from any thread. Raises ValueRangeError for
+    a port that the component does not have.
+    """
+
+    def __init__(self, native: _native.Board, number: int, configuration: ComponentConfiguration) -> None:
+        self._native = native
+        self._number = number
+        self.configuration = configuration
+        self._places: dict[tuple[str, str], tuple[int, int]] = {}
+        counted = {"in": 0, "out": 0}
+        for port, direction, bits in configuration.pins:
+            if direction in counted:
+                self._places[direction, port] = counted[direction], bits or 1
+                counted[direction] += bits or 1
+        self._counted: set[tuple[int, int]] = set()
+        self._pulses: dict[int, tuple[int, float]] = {}  # pin -> pulses and high time at the last look
+        self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
+
+    def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
+        """Put a level on an input. It stays until another one is put there."""
+        if not self._native.drive(self._number, self._pin("in", port, bit), bool(level)):
+            raise self._without_pins()
+
+    def level(self, port: str, bit: int = 0) -> bool:
+        """Return the level of an output."""
+        return self._look(port, bit)[0]
+
+    def rises(self, port: str, bit: int = 0) -> int:
+        """Return how many rising edges an output has had since the board was made."""
+        return self._look(port, bit)[1]
+
+    def steps(self, step: str, direction: str, bit: int = 0) -> int:
+        """Return the rising edges of `step` while `direction` is high, less those while it is low.
+
+        Edges before the first call all count as forward. So call it once before the motor may move.
+        """
+        pair = self._pin("out", step, bit), self._pin("out", direction, bit)
+        if pair not in self._counted:
+            if not self._native.count_by(self._number, *pair):
+                raise self._without_pins()
+            self._counted.add(pair)
+        return self._look(step, bit)[2]
+
+    def duty(self, port: str, bit: int = 0) -> float:
+        """Return the share of time for which an output was high since the last call, or since the start.
+
+        Within one instant it is the level.
+        """
+        level, _, _, high_s, time_s = self._look(port, bit)
+        pin = self._pin("out", port, bit)
+        high_before_s, before_s = self._last.get(pin, (0.0, 0.0))
+        self._last[pin] = high_s, time_s
+        passed_s = time_s - before_s
+        return (high_s - high_before_s) / passed_s if passed_s > 0 else float(level)
+
+    def pulse_s(self, port: str, bit: int = 0) -> float | None:
+        """Return the mean length of the pulses since the last call. None: none has ended.
+
+        A pulse that has only begun counts at its end.
+        """
+        level, rises, _, high_s, _ = self._look(port, bit)
+        pin = self._pin("out", port, bit)
+        if level:
+            return None
+        ended_before, high_before_s = self._pulses.get(pin, (0, 0.0))
+        self._pulses[pin] = rises, high_s
+        return (high_s - high_before_s) / (rises - ended_before) if rises > ended_before else None
+
+    def turn(
+        self,
+        counts: float,
+        seconds: float = 0.0,
+        *,
+        lines: Sequence[str] = ("a", "b", "index"),
+        per_turn: int = 0,
+    ) -> None:
+        """Turn an encoder to `counts`, evenly within `seconds` from now. It begins at 0.
+
+        Fractions are cut off downwards. With `per_turn` the third line is high at each whole turn.
+        """
+        pins = [self._pin("in", port, 0) for port in lines[: 3 if per_turn else 2]]
+        place = pins[0], pins[1], pins[2] if per_turn else 0
+        if not self._native.turn(self._number, place, per_turn, int(counts // 1), max(0.0, seconds)):
+            raise self._without_pins()
+
+    def _look(self, port: str, bit: int) -> tuple[bool, int, int, float, float]:
+        seen = self._native.look(self._number, self._pin("out", port, bit))
+        if seen is None:
+            raise self._without_pins()
+        return seen
+
+    def _pin(self, direction: str, port: str, bit: int) -> int:
+        place = self._places.get((direction, port))
+        if place is None:
+            known = [name for way, name in self._places if way == direction]
+            what = "input" if direction == "in" else "output"
+            raise ValueRangeError(
+                f"component {self.configuration.path} has no {what} {port!r}; "
+                f"there are {', '.join(known) or 'none'}"
+            )
+        first, bits = place
+        if not 0 <= bit < bits:
+            raise ValueRangeError(
+                f"{self.configuration.path}.{port} has {bits} pins: choose bit 0 to {bits - 1}, not {bit}"
+            )
+        return first + bit
+
+    def _without_pins(self) -> ValueRangeError:
+        return ValueRangeError(
+            f"the pins of {self.configuration.path} cannot be reached on this board: "
+            f"{self.configuration.entity} has no model here"
+        )
+
+
+class BoardComponents(Mapping[str, BoardComponent]):
+    """The components of a board by their paths: `board.components["arm.wheel[0]"]`."""
+
+    def __init__(self, native: _native.Board, configurations: Sequence[ComponentConfiguration]) -> None:
+        self._found = {
+            one.path: BoardComponent(native, number, one) for number, one in enumerate(configurations)
+        }
+        self._modelled = [one for one in configurations if _native.has_component_model(one.entity)]
+
+    def owns(self, address: int) -> bool:
+        """Does a component set the word at `address` itself? Then a plant cannot."""
+        return any(address in one.addresses for one in self._modelled)
+
+    def __getitem__(self, path: str) -> BoardComponent:
+        found = self._found.get(path)
+        if found is None:
+            raise ValueRangeError(
+                f"the board has no component {path!r}; there are {', '.join(self._found) or 'none'}"
+            )
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
