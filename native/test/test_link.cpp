@@ -283,7 +283,8 @@ TEST_CASE("a second opener hears that the board is busy") {
   const auto board = board_on("tcp");
   const auto first = opened(board->url());
   std::unique_ptr<Link> second;
-  CHECK(Link::open(board->url(), second).status == Status::busy);
+  for (const char* protocol : {"protocol=auto", "protocol=framed", "protocol=classic"})
+    CHECK(Link::open(with_options(board->url(), protocol), second).status == Status::busy);
   const auto terminal = board_on("pty");
   const auto holder = opened(terminal->url());
   CHECK(Link::open(terminal->url(), second).status == Status::busy);

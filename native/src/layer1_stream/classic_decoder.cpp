@@ -17,7 +17,6 @@ constexpr std::string_view error_codes[] = {
     application_error::publish_vanished,
 };
 constexpr std::uint8_t datalink_code_max = datalink_error::physical + 7;
-constexpr std::string_view busy_line = "?busy";
 constexpr std::string_view reply_prefix = "S_";  // all replies except CNF begin with it
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) noexcept {

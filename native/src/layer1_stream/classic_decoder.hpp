@@ -20,11 +20,13 @@
 
 namespace unitylink {
 
+inline constexpr std::string_view busy_line = "?busy";  // of any board that serves another program
+
 enum class MessageKind : std::uint8_t {
   reply,              // letters and data; for CNF `fields` and `checksum` instead of data
   application_error,  // error; letters and data are what came before it
   datalink_error,     // code
-  busy,               // "?busy": the board serves another program
+  busy,               // busy_line: the board serves another program
   bad_checksum,       // head says whether it was a reply or a publish
   malformed,          // head: as in bad_checksum
 };

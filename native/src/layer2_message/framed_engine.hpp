@@ -203,7 +203,7 @@ class FramedEngine final : public Engine {
   State state_ = State::silent;
   bool text_ = false;                // within a line of classic text
   std::size_t text_bytes_ = 0;       // length of this line so far
-  std::array<char, 4> text_head_{};  // the first bytes of this line
+  std::array<char, 6> text_head_{};  // the first bytes of this line
   std::uint32_t passed_over_ = 0;    // HELLOs without an answer, although the classic question after them was answered
   std::optional<Greeting> greeting_;
   std::uint16_t offered_epoch_;  // requested by OPEN

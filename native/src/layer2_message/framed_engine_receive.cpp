@@ -2,6 +2,7 @@
 // Gives each received frame to the request or the group that it belongs to.
 #include <algorithm>
 
+#include "layer1_stream/classic_decoder.hpp"
 #include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/framed_engine.hpp"
 #include "layer2_message/framed_request.hpp"
@@ -68,13 +69,25 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
 
 // A line of the classic protocol. The answer to the classic question shows which device is there. A framed device
 // answers HELLO before that, unless this answer was lost. A publish is no answer, because an old subscription may send
-// it at any time.
+// it at any time. A board that serves another program says so in text, whatever it was asked.
 void FramedEngine::on_text() noexcept {
-  const std::string_view name(text_head_.data() + 1, text_head_.size() - 1);
+  const std::string_view line(text_head_.data(), text_bytes_);
+  if (!line.empty() && (line[0] == bytes::plain_publish || line[0] == bytes::checked_publish)) {
+    statistics_.unclaimed_publishes += 1;
+    return;
+  }
+  if (state_ != State::greeting || greeting_due_ || line.size() < 4) {
+    return;
+  }
+  if (line == busy_line) {
+    lasting_ ? cut(Status::busy, now_ns_) : end(Status::busy, now_ns_);
+    return;
+  }
+  const std::string_view name = line.substr(1, 3);
   // an error is also an answer, because the gateware may not know the question
-  const bool answers = text_bytes_ == text_head_.size() && text_head_[0] == bytes::plain_head &&
-                       (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);
-  if (!probe_ || state_ != State::greeting || greeting_due_ || !answers) {
+  const bool answers =
+      line[0] == bytes::plain_head && (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);
+  if (!probe_ || !answers) {
     return;
   }
   if (++passed_over_ == probes) {

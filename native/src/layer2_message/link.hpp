@@ -257,7 +257,7 @@ class Link {
   [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source,
                                     const LinkOptions& options, std::unique_ptr<Link>& link);
   [[nodiscard]] Outcome begin();
-  [[nodiscard]] Outcome begin_framed(std::uint64_t until_ns);
+  [[nodiscard]] Outcome begin_framed(std::uint64_t until_ns, std::uint32_t attempts);
   void begin_mapped(MappedMemory& memory);
   [[nodiscard]] Outcome describe_device(const RequestOptions& how);
 

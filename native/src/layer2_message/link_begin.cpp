@@ -24,7 +24,8 @@ std::string hash_text(std::uint64_t hash) {
 }  // namespace
 
 // Ends within 4 x attempts x timeout, whatever the device answers: one part for the fence, one for HELLO, and two for
-// the description of the device.
+// the description of the device. If the protocol is not known, one HELLO comes before the fence: gateware of frames
+// alone does not answer a fence, and would cost its timeouts.
 Outcome Link::begin() {
   if (MappedMemory* const memory = driver_->memory(); memory != nullptr) {
     begin_mapped(*memory);
@@ -37,6 +38,18 @@ Outcome Link::begin() {
     const std::scoped_lock lock(mutex_);
     classic_.expect_corrected_gateware();
   }
+  // Frames may contain a '$', so gateware that may hang on it must not get any.
+  const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 ||
+                             !options_.engine.checksums;
+  bool knows_none = false;  // it answered the classic question behind each HELLO
+  if (options_.protocol == Protocol::automatic && !known_classic) {
+    Outcome outcome = begin_framed(until_ns, 1);
+    knows_none = outcome.status == Status::mismatch && !framed_;
+    const bool silent = outcome.status == Status::timeout && !framed_;  // the HELLO or its answer may have been lost
+    if (!knows_none && !silent) {
+      return outcome;
+    }
+  }
   if (options_.protocol != Protocol::framed) {
     Exchange exchange;
     exchange.operation = Operation::resynchronise;
@@ -44,10 +57,8 @@ Outcome Link::begin() {
     run(std::span(&exchange, 1), until_ns);
     if (exchange.status != Status::ok) {
       Outcome silent = outcome_of(exchange);
-      const bool maybe_frames = exchange.status == Status::timeout && options_.protocol == Protocol::automatic &&
-                                options_.gateware != Gateware::published_2012 && options_.engine.checksums;
-      if (maybe_frames) {  // gateware without the classic protocol does not answer the fence
-        Outcome outcome = begin_framed(until_ns);
+      if (exchange.status == Status::timeout && !known_classic && !knows_none) {
+        Outcome outcome = begin_framed(until_ns, options_.attempts);
         return outcome.ok() || framed_ ? outcome : silent;
       }
       return silent;
@@ -56,11 +67,8 @@ Outcome Link::begin() {
     checksums_ = classic_.checksums();
     reported = classic_.reported();
   }
-  // Frames may contain a '$', so gateware that may hang on it must not get any.
-  const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 ||
-                             !options_.engine.checksums;
-  if (!known_classic) {
-    Outcome outcome = begin_framed(until_ns);
+  if (!known_classic && !knows_none) {
+    Outcome outcome = begin_framed(until_ns, options_.attempts);
     // this does not prove that it knows no frames
     if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {
       outcome.text +=
@@ -68,10 +76,12 @@ Outcome Link::begin() {
           "line disturbed? "
           "Add protocol=classic or protocol=framed to the URL";
     }
-    const bool knows_none = options_.protocol == Protocol::automatic && outcome.status == Status::mismatch && !framed_;
+    knows_none = options_.protocol == Protocol::automatic && outcome.status == Status::mismatch && !framed_;
     if (!knows_none) {
       return outcome;
     }
+  }
+  if (knows_none) {
     notice_ =
         "the device answers the classic protocol only: no exactly-once writes, no time stamps, and its spec is not "
         "verified";
@@ -117,7 +127,7 @@ void Link::begin_mapped(MappedMemory& memory) {
 }
 
 // Tries the framed protocol. framed_ stays set only if the device speaks it, also if something else is wrong.
-Outcome Link::begin_framed(std::uint64_t until_ns) {
+Outcome Link::begin_framed(std::uint64_t until_ns, std::uint32_t attempts) {
   {
     const std::scoped_lock lock(mutex_);
     framed_ = std::make_unique<FramedEngine>(options_.engine, options_.protocol == Protocol::automatic);
@@ -127,7 +137,7 @@ Outcome Link::begin_framed(std::uint64_t until_ns) {
   driver_->messages_end_with(static_cast<std::uint8_t>(frame::delimiter));
   Exchange exchange;
   exchange.operation = Operation::resynchronise;
-  exchange.attempts_max = options_.attempts;
+  exchange.attempts_max = attempts;
   run(std::span(&exchange, 1), until_ns);
   Outcome outcome = outcome_of(exchange);
   if (!outcome.ok()) {
@@ -137,6 +147,7 @@ Outcome Link::begin_framed(std::uint64_t until_ns) {
           "the device speaks no version of the framed protocol that this library knows; try protocol=classic";
     }
     if (!engine_->ended()) {
+      classic_.statistics() = framed_->statistics();
       engine_ = &classic_;
       framed_.reset();
       driver_->messages_end_with(static_cast<std::uint8_t>(bytes::line_feed));

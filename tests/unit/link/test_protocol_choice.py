@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
+import select
 import socket
+import threading
 from urllib.parse import urlsplit
 
 import pytest
 
 from unitylink import Link
 from unitylink.errors import LinkTimeout
+from unitylink.protocol import REQUEST_KIND_HELLO
 from unitylink.simulate import Board, BoardConfiguration
+
+HELLO = bytes([REQUEST_KIND_HELLO, 3, 1, 1])  # the 3 is the place of the next zero
 
 
 @pytest.mark.parametrize(
@@ -25,6 +30,41 @@ def test_what_the_gateware_was_built_with_is_spoken(built: str, spoken: str) -> 
         assert bool(link.notice) == (built == "classic")
         link.write(0x10, 5)
         assert link.read(0x10) == 5
+
+
+@pytest.mark.parametrize("built", ["framed", "both"])
+def test_frames_are_found_without_waiting(built: str) -> None:
+    """HELLO comes first. Gateware of frames alone does not answer the fence of the classic protocol."""
+    with (
+        Board(configuration=BoardConfiguration(protocol=built)) as board,
+        Link(f"{board.url}?timeout=5") as link,
+    ):
+        assert (link.protocol, link.statistics().timeouts) == ("framed", 0)
+
+
+def test_frames_are_found_if_the_first_hello_is_lost() -> None:
+    """The fence comes then. It goes unanswered, and HELLO is sent again."""
+    ours, relay = socket.socketpair()
+    with Board(configuration=BoardConfiguration(protocol="framed"), endpoint="tcp") as board:
+        where = urlsplit(board.url)
+        with socket.create_connection((where.hostname, where.port)) as there, relay:
+            passing = threading.Thread(target=_pass_on_from_the_second_hello, args=(relay, there))
+            passing.start()
+            with Link(f"fd:{ours.detach()}?timeout=0.1") as link:
+                link.write(0x10, 5)
+                assert (link.protocol, link.read(0x10)) == ("framed", 5)
+            passing.join()
+
+
+def _pass_on_from_the_second_hello(host: socket.socket, board: socket.socket) -> None:
+    hellos = 0
+    while ready := select.select([host, board], [], [])[0]:
+        for end in ready:
+            if not (chunk := end.recv(4096)):
+                return
+            hellos += chunk.count(HELLO) if end is host else 0
+            if hellos > 1:
+                (board if end is host else host).sendall(chunk)
 
 
 def test_a_device_that_answers_in_neither_protocol_gives_the_error_of_the_first_question() -> None:
