@@ -70,6 +70,13 @@ def test_a_virtual_board(spec: Path, tmp_path: Path) -> None:
     check(converse(lambda: f"sim:{spec}", spec, tmp_path, own_spec=True, refused=doctor), one_board=False)
 
 
+@pytest.mark.long  # tests/gateware/boards/test_bit.py reads and writes in `make test`
+def test_a_bitstream(spec: Path, tmp_path: Path) -> None:
+    url = f"bit:{spec}?board=icebreaker&protocol=classic"
+    doctor = {"doctor": "is a virtual board"}
+    check(converse(lambda: url, spec, tmp_path, own_spec=True, refused=doctor), one_board=False)
+
+
 def test_mapped_memory(spec: Path, tmp_path: Path) -> None:
     (tmp_path / "registers").write_bytes(bytes(4096))
     no_port = {"doctor": "memory of this machine", "term": "has no bytes, only registers"}

@@ -22,11 +22,11 @@ from .families import FAMILIES, Family, overflow
 from .fit import remedies
 from .folder import make_folder
 from .line import check_line, told_baud_hz
-from .logic import Wanted, design_sources, logic_of, spec_of
+from .logic import Logic, Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
 from .memories import memories_of, shortage
 from .pins import TRIPPED, Pinout, assign_pins, lines_of
-from .pll import pll_of
+from .pll import Pll, pll_of
 from .report import Area, Report, budget_of, forget
 from .wrapper import NAME, constraints, has_reset, wrapper
 
@@ -44,16 +44,26 @@ class Order(Wanted):
     seeds: int = 3
 
 
-def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
-    """Build a bitstream and its report in `order.folder`. `tell` is called at the beginning of each step.
+@dataclass(frozen=True)
+class Prepared:
+    """What is known before anything takes long. The VHDL of the design is in the order's folder."""
 
-        board = load_board("icebreaker")
-        report = build_bitstream(Order(spec_file="servo.ul", board=board, folder=Path("build/servo")))
+    spec: Spec
+    clock_hz: int
+    baud_hz: int
+    pll: Pll | None
+    configuration: BoardConfiguration
+    logic: Logic
+    budgets: tuple[DeviceBudget, ...]
+    place_command: tuple[str, ...]
+    bitstream: str  # the name of its file
 
-    Raises SpecError, BindingError, ToolError (a program is missing or refuses its input) or BoardError (pins
-    do not exist, the design does not fit, or it is too slow for the clock).
+
+def prepare(order: Order) -> Prepared:
+    """Write the VHDL that `order` asks for into its folder. What an earlier build left there is forgotten.
+
+    Raises what `build_bitstream` raises, except that the design is too large or too slow.
     """
-    started = time.monotonic()
     board, family = order.board, FAMILIES[order.board.family]
     spec = spec_of(order)
     clock_hz, baud_hz = rates(spec, order)
@@ -69,8 +79,25 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     configuration = board.configuration(spec, order.protocol, {**line, **order.settings})
     plan = SpecPlan(spec, configuration)
     write_files(planned_files(plan, ["vhdl"]), folder)
-    budgets = budgets_of(spec, configuration, clock_hz, baud_hz)
+    budgets = tuple(budgets_of(spec, configuration, clock_hz, baud_hz))
     logic = logic_of(plan, order, pin_for_trips=bool(board.roles.get(TRIPPED)))
+    return Prepared(spec, clock_hz, baud_hz, pll, configuration, logic, budgets, tuple(place), made)
+
+
+def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
+    """Build a bitstream and its report in `order.folder`. `tell` is called at the beginning of each step.
+
+        board = load_board("icebreaker")
+        report = build_bitstream(Order(spec_file="servo.ul", board=board, folder=Path("build/servo")))
+
+    Raises SpecError, BindingError, ToolError (a program is missing or refuses its input) or BoardError (pins
+    do not exist, the design does not fit, or it is too slow for the clock).
+    """
+    started = time.monotonic()
+    board, family, folder = order.board, FAMILIES[order.board.family], order.folder
+    design = prepare(order)
+    spec, logic, configuration = design.spec, design.logic, design.configuration
+    clock_hz, baud_hz = design.clock_hz, design.baud_hz
     tell(logic.whence)
     tell(f"GHDL makes a netlist of {logic.top}")
     generics = {"clock_hz": clock_hz, "baud_hz": baud_hz}
@@ -85,13 +112,13 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     ports = ports_of(verilog, logic.top)
     pinout = assign_pins(board, lines_of(ports), order.pins, logic.components)
     (folder / "design.v").write_text(verilog, encoding="utf-8")
-    (folder / "board.v").write_text(wrapper(board, logic.top, ports, pinout, pll), encoding="utf-8")
+    (folder / "board.v").write_text(wrapper(board, logic.top, ports, pinout, design.pll), encoding="utf-8")
     (folder / f"board.{family.constraints}").write_text(constraints(board, pinout), encoding="utf-8")
     tell(f"yosys maps it on {board.family}")
     map_cells(family.synthesis, NAME, ["design.v", "board.v"], "board.json", folder)
-    placed = _place(place, family, order, configuration, clock_hz=clock_hz, tell=tell)
+    placed = _place(design.place_command, family, order, configuration, clock_hz=clock_hz, tell=tell)
     tell("the bitstream is packed")
-    _run(family.pack_command(f"board.{family.routed[1]}", made), folder)
+    _run(family.pack_command(f"board.{family.routed[1]}", design.bitstream), folder)
     notices = [*logic.notices, *pinout.notices, *board.notes]
     if placed.link_fmax_hz is not None:
         notices.append(
@@ -103,6 +130,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     report = Report(
         spec=spec.name,
         hash=spec.hash,
+        protocol=configuration.protocol,
         board=board.reference,
         title=board.title,
         top=logic.top,
@@ -113,10 +141,11 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         baud_hz=baud_hz,
         url=link_url(board, baud_hz),
         pins=_shown(board, pinout),
+        words=logic.words,
         notices=tuple(notices),
-        bitstream=str(folder / made),
-        budget=tuple(budget_of(one) for one in budgets),
-        tools=_versions(place[0], folder),
+        bitstream=str(folder / design.bitstream),
+        budget=tuple(budget_of(one) for one in design.budgets),
+        tools=_versions(design.place_command[0], folder),
         seconds=round(time.monotonic() - started, 1),
     )
     report.write(folder)

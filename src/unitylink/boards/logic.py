@@ -26,8 +26,9 @@ from unitylink.interface.board_configuration import check_one_board
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 
-from .pins import OPEN, TRIPPED, role_of, wished_names
+from .pins import OPEN, TRIPPED, Line, role_of, wished_names
 
+WORD_BITS = 32  # of each address, in the vectors of a design's words
 _PORTS = ("clock", "reset", "rx_line", "tx_line", "clock_hz", "baud_hz", "to_pc", "from_pc", "link", TRIPPED)
 
 
@@ -41,6 +42,8 @@ class Logic:
     components: dict[str, str] = field(default_factory=dict)  # port -> component of the gateware library
     notices: tuple[str, ...] = ()
     whence: str = ""  # a sentence for the terminal
+    # bit of a port -> (address, bit) of the word that it is; only if the logic is made here
+    words: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
 
 def design_sources(spec: Spec, folder: Path) -> list[Path]:
@@ -128,6 +131,8 @@ class WordPort:
     path: Vhdl
     base: str
     bits: int
+    word: int  # the place of its word among those of its direction
+    low: int  # its lowest bit there
     seen: str  # the signal that has an input, synchronous to the clock
 
     @property
@@ -213,7 +218,18 @@ def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: 
             f"nothing drives {shown}: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
         )
     whence = f"no {path.name} for this link is beside the spec: the words that have pins go to them"
-    return Logic(top, (path,), frozenset(), components, notices, whence)
+    words = _places(inputs, tuple(design.words.read)) | _places(outputs, tuple(design.words.write))
+    return Logic(top, (path,), frozenset(), components, notices, whence, words)
+
+
+def _places(ports: Sequence[WordPort], addresses: Sequence[int]) -> dict[str, tuple[int, int]]:
+    """Return (address, bit) for each bit of `ports`, except of a value that is longer than a word."""
+    return {
+        Line(port.name, "", port.bits).bit(number): (addresses[port.word], port.low + number)
+        for port in ports
+        if port.low + port.bits <= WORD_BITS
+        for number in range(port.bits)
+    }
 
 
 def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list[WordPort], list[Leaf]]:
@@ -228,7 +244,18 @@ def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list
         vector = Vhdl.of("std_ulogic_vector({} downto 0)", width - 1)
         kind = Vhdl("std_ulogic") if leaf.part.base == "std_ulogic" else vector
         name = names.claim(leaf.path)
-        ports.append(WordPort(name, kind, leaf.path, leaf.part.base, width, names.claim(f"{name}_seen")))
+        ports.append(
+            WordPort(
+                name,
+                kind,
+                leaf.path,
+                leaf.part.base,
+                width,
+                leaf.index,
+                leaf.part.low,
+                names.claim(f"{name}_seen"),
+            )
+        )
     return ports, others
 
 

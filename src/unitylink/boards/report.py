@@ -26,10 +26,14 @@ class Area:
 
 @dataclass(frozen=True)
 class Report:
-    """`fmax_hz` is nextpnr's guarantee for the design's clock, `clock_hz` is its rate."""
+    """`fmax_hz` is nextpnr's guarantee for the design's clock, `clock_hz` is its rate.
+
+    `words` says for each bit of a port that is one of a word: (address, bit).
+    """
 
     spec: str
     hash: str
+    protocol: str
     board: str
     title: str
     top: str
@@ -40,6 +44,7 @@ class Report:
     baud_hz: int
     url: str
     pins: Mapping[str, str]
+    words: Mapping[str, tuple[int, int]]
     notices: tuple[str, ...]
     bitstream: str
     budget: tuple[Mapping[str, Any], ...]

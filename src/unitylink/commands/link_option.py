@@ -52,7 +52,7 @@ spec_option = click.option(
     "--spec",
     "spec_file",
     metavar="FILE",
-    help="The spec that gives the names. A sim: or rtl: link brings its own.",
+    help="The spec that gives the names. A sim:, rtl: or bit: link brings its own.",
 )
 
 
@@ -69,13 +69,22 @@ class Target:
 
 
 def simulated_spec(link: str) -> str | None:
-    """Return the file that a `sim:` or `rtl:` link simulates, or None for other links.
+    """Return the file that a `sim:`, `rtl:` or `bit:` link simulates, or None for other links.
+
+    A `bit:` link to a bitstream has no spec, except with `spec=FILE`.
 
     >>> simulated_spec("sim:arms/scara.ul?plant=ramp")
     'arms/scara.ul'
     """
     kind, _, rest = link.partition(":")
-    return rest.partition("?")[0] if kind in SCHEMES and SCHEMES[kind].virtual else None
+    if kind not in SCHEMES or not SCHEMES[kind].virtual:
+        return None
+    path, _, query = rest.partition("?")
+    if kind == "bit":
+        from unitylink.simulate.bit.link import names_spec
+
+        return path if names_spec(path) else dict(parse_qsl(query)).get("spec")
+    return path
 
 
 def load_names(link: str | None, spec_file: str | None) -> Names:
@@ -88,7 +97,7 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
         and spec_file is not None
         and Path(simulated).resolve() != Path(spec_file).resolve()
     ):
-        raise click.UsageError(f"a sim: or rtl: link brings its own spec; leave --spec {spec_file} out")
+        raise click.UsageError(f"a sim:, rtl: or bit: link brings its own spec; leave --spec {spec_file} out")
     file = spec_file if spec_file is not None else simulated
     if file is None:
         return Names(None)

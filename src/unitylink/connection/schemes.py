@@ -61,6 +61,7 @@ SCHEMES = {
         *(Scheme(*row[:3], stream=row[3], once=row[4]) for row in _native.schemes()),
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
+        Scheme("bit", "bit:SPEC.ul?board=NAME", "the same, but the bitstream for a board", _simulated, True),
     )
 }
 

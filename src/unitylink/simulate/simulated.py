@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`sim:` and `rtl:` URLs: a virtual board that is made when the link is opened."""
+"""`sim:`, `rtl:` and `bit:` URLs: a virtual board that is made when the link is opened."""
 
 from __future__ import annotations
 
+from typing import Union
 from urllib.parse import parse_qsl, quote, urlencode
 
 from unitylink.errors import UnityLinkError, UrlError
@@ -14,15 +15,19 @@ from unitylink.spec.model import Spec
 from .board import Board
 from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
-_TIMEOUT_S = "1"  # a board in this process is silent only if the machine is too busy to run it
+# A board in this process is silent only if the machine is too busy to run it. A second of a bitstream takes
+# half a minute.
+_TIMEOUT_S = {"sim": "1", "rtl": "1", "bit": "0.05"}
 _OPTIONS = {setting.option: setting for setting in SETTINGS.values() if setting.option}
+_Settings = dict[str, Union[int, str]]
 _ASKED_FOR = ("spi", "rs485")  # physical layers that never send by themselves
 
 
 def simulated_board(url: str) -> tuple[Board, str]:
     """Make the board of `sim:SPEC.ul?plant=NAME&…`. Return it with the URL for a link to it.
 
-    With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl).
+    With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl). With `bit:`, its bitstream
+    is built and run (simulate.bit, docs/bitstream.md).
 
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
@@ -34,33 +39,17 @@ def simulated_board(url: str) -> tuple[Board, str]:
     kind, _, rest = url.partition(":")
     path, _, query = rest.partition("?")
     if kind not in _KINDS or not path:
-        raise UrlError(f"{url!r}: expected sim:SPEC.ul or rtl:SPEC.ul, with ?option=value&… behind it")
+        forms = " or ".join(f"{kind}:SPEC.ul" for kind in _KINDS)
+        raise UrlError(f"{url!r}: expected {forms}, with ?option=value&… behind it")
     try:
         options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     except ValueError as error:
         raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
     settings = _settings_in(url, options)
-    try:
-        spec = load(path)
-    except OSError as error:
-        raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
-    root = options.pop("root", None)
-    if root is not None:
-        try:
-            spec = spec.only(root)
-        except KeyError as error:
-            raise UrlError(f"{url!r}: {error.args[0]}") from None
-    physical = settings.get("physical", told_physical(spec))
-    if kind == "rtl" and physical in _ASKED_FOR:
-        raise UrlError(
-            f"{url!r}: {physical} sends only when a master asks, and an rtl: link is not a master; write "
-            f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
-        )
-    options.setdefault("timeout", _TIMEOUT_S)
-    plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
-    board = _KINDS[kind](spec, plant, settings, endpoint)
+    board = _KINDS[kind](url, path, options, settings, endpoint)
+    options.setdefault("timeout", _TIMEOUT_S[kind])
     if board.configuration.protocol == "framed":  # a request in text would only cost time
         options.setdefault("protocol", "framed")
     try:
@@ -71,12 +60,27 @@ def simulated_board(url: str) -> tuple[Board, str]:
     return board, link_url
 
 
-def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
+def _spec_in(url: str, path: str, options: dict[str, str]) -> Spec:
+    """Return the spec in the file `path`, or the part of it that `root=` chooses."""
+    try:
+        spec = load(path)
+    except OSError as error:
+        raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    root = options.get("root")
+    if root is None:
+        return spec
+    try:
+        return spec.only(root)
+    except KeyError as error:
+        raise UrlError(f"{url!r}: {error.args[0]}") from None
+
+
+def _settings_in(url: str, options: dict[str, str]) -> _Settings:
     """Take the settings of the board out of `options`.
 
     The link also gets the settings that a device tells by itself.
     """
-    settings: dict[str, int | str] = {}
+    settings: _Settings = {}
     for option in set(options) & set(_OPTIONS):
         setting = _OPTIONS[option]
         text = options[option] if setting.told else options.pop(option)
@@ -87,19 +91,43 @@ def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
     return settings
 
 
-def _twin(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpoint: str) -> Board:
+def _twin(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+    spec, plant = _spec_and_plant(url, path, options)
     configuration = BoardConfiguration.for_spec(spec, **settings)
     return Board(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 
-def _gateware(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpoint: str) -> Board:
-    from .rtl import (
-        RtlBoard,
-        rtl_configuration,
-    )  # imported here, because it loads the generator and the compilers
+def _gateware(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+    from .rtl import RtlBoard, rtl_configuration  # here, because it loads the generator and the compilers
 
+    spec, plant = _spec_and_plant(url, path, options)
+    physical = settings.get("physical", told_physical(spec))
+    if physical in _ASKED_FOR:
+        raise UrlError(
+            f"{url!r}: {physical} sends only when a master asks, and an rtl: link is not a master; write "
+            f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
+        )
     configuration = rtl_configuration(spec, **settings)
     return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 
-_KINDS = {"sim": _twin, "rtl": _gateware}
+def _bitstream(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+    from .bit.link import (
+        Wish,
+        bit_board,
+        names_spec,
+    )  # here, because it loads the generator and the compilers
+
+    own = options.pop("spec", None)
+    file = path if names_spec(path) else own
+    spec = None if file is None else _spec_in(url, file, options)
+    return bit_board(Wish(url, path, options, settings), spec, endpoint)
+
+
+def _spec_and_plant(url: str, path: str, options: dict[str, str]) -> tuple[Spec, AnyPlant]:
+    spec = _spec_in(url, path, options)
+    options.pop("root", None)
+    return spec, load_plant(options.pop("plant", DEFAULT_PLANT), spec)
+
+
+_KINDS = {"sim": _twin, "rtl": _gateware, "bit": _bitstream}

@@ -13,7 +13,7 @@ from unitylink.spec.model import Spec
 from ..board import Board
 from ..plant import AnyPlant
 from .build import Progress, build_model
-from .design import RtlDesign, design_of
+from .design import RtlDesign, RtlModel, design_of
 
 CLOCK_HZ_DEFAULT = 1_000_000  # an ordinary machine runs this in real time, and it is enough for a robot
 
@@ -28,7 +28,38 @@ def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
     return BoardConfiguration.for_spec(spec, **{"clock_hz": CLOCK_HZ_DEFAULT, **overrides, "engine": engine})
 
 
-class RtlBoard(Board):
+class ModelBoard(Board):
+    """A `Board` whose device is compiled gateware: `model`."""
+
+    def __init__(
+        self,
+        spec: Spec | None,
+        model: RtlModel,
+        *,
+        configuration: BoardConfiguration,
+        plant: AnyPlant | None,
+        endpoint: str,
+        bind: str,
+    ) -> None:
+        self._model = model
+        super().__init__(spec, configuration=configuration, plant=plant, endpoint=endpoint, bind=bind)
+
+    def _make_native(self, endpoint: str, bind: str) -> _native.Board:
+        return _native.Board(self.configuration, endpoint, bind, self._model)
+
+    def _power_up(self, spec: Spec) -> None:
+        """Do nothing, because the design's reset sets the initial values of the spec."""
+
+    def set_online(self, online: bool) -> None:
+        """Raise UnityLinkError, because only the twin has a model of the network."""
+        raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
+
+    def damage_cycle(self) -> None:
+        """Raise UnityLinkError, because only the twin has a model of the network."""
+        raise UnityLinkError("the gateware's network cannot be damaged from here; the twin's can: use `sim:`")
+
+
+class RtlBoard(ModelBoard):
     """A `Board` whose device is the compiled VHDL that `unitylink generate --only vhdl` makes of `spec`.
 
         with RtlBoard(spec, plant=ScaraPlant()) as board, Link(board.url) as link:
@@ -62,21 +93,7 @@ class RtlBoard(Board):
         progress: Progress | None = None,
     ) -> None:
         chosen = configuration if configuration is not None else rtl_configuration(spec)
-        self._model = build_model(design if design is not None else design_of(spec, chosen), progress)
+        model = build_model(design if design is not None else design_of(spec, chosen), progress)
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
-        super().__init__(shown, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
-
-    def _make_native(self, endpoint: str, bind: str) -> _native.Board:
-        return _native.Board(self.configuration, endpoint, bind, self._model)
-
-    def _power_up(self, spec: Spec) -> None:
-        """Do nothing, because the design's reset sets the initial values of the spec."""
-
-    def set_online(self, online: bool) -> None:
-        """Raise UnityLinkError, because only the twin has a model of the network."""
-        raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
-
-    def damage_cycle(self) -> None:
-        """Raise UnityLinkError, because only the twin has a model of the network."""
-        raise UnityLinkError("the gateware's network cannot be damaged from here; the twin's can: use `sim:`")
+        super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)

@@ -54,7 +54,7 @@ def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel
     terminal. Raises ToolError.
     """
     tools = _Tools()
-    say = progress if progress is not None else _on_terminal()
+    say = progress if progress is not None else on_terminal()
 
     def build(library: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="unitylink-rtl-") as folder:
@@ -67,6 +67,21 @@ def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel
     return RtlModel(str(library), design.read_addresses, design.write_addresses)
 
 
+def build_of_netlist(verilog: str, top: str, say: Progress) -> str:
+    """Return the shared library of the netlist `verilog` of `top`, from the cache if it is there.
+
+    Raises ToolError if Verilator or the C++ compiler is missing, or refuses it.
+    """
+    tools = _Tools("verilator")
+    parts = [tools.versions, repr((_VERILATOR, _COMPILE, _LINK, top)), verilog]
+    parts += [path.read_text(encoding="utf-8") for path in (_interface(), *_MAKERS)]
+    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+    try:
+        return str(cached(key, lambda file: compile_netlist(verilog, top, file, tools=tools, say=say), say))
+    finally:
+        say("")
+
+
 def _interface() -> Path:
     return resource_folder("native") / "include" / "unitylink" / "rtl_model.h"
 
@@ -74,11 +89,12 @@ def _interface() -> Path:
 class _Tools:
     """The programs that it needs. All of them are searched before anything starts."""
 
-    def __init__(self) -> None:
+    def __init__(self, *others: str) -> None:
         self.compiler = os.environ.get("CXX") or next(
             (name for name in ("c++", "g++", "clang++") if shutil.which(name)), "g++"
         )
-        needed = {"ghdl": "ghdl", "verilator": "verilator", self.compiler: "g++"}
+        self.names = (*(others or ("ghdl", "verilator")), self.compiler)
+        needed = {name: name for name in self.names} | {self.compiler: "g++"}
         if missing := [name for name in needed if shutil.which(name) is None]:
             raise ToolError(
                 f"missing: {', '.join(missing)}; simulating the gateware itself needs GHDL, Verilator and a "
@@ -88,7 +104,7 @@ class _Tools:
 
     @cached_property
     def versions(self) -> str:
-        return "\n".join(_run([name, "--version"]) for name in ("ghdl", "verilator", self.compiler))
+        return "\n".join(_run([name, "--version"]) for name in self.names)
 
     def verilator_include(self) -> Path:
         return Path(_run(["verilator", "--getenv", "VERILATOR_ROOT"]).strip()) / "include"
@@ -212,7 +228,7 @@ def _silent(_text: str) -> None:
     pass
 
 
-def _on_terminal() -> Progress:
+def on_terminal() -> Progress:
     """Return a function that shows one changing line on stderr.
 
     It shows nothing if stderr is not a terminal.
