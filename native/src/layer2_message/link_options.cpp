@@ -32,12 +32,12 @@ constexpr Override overrides[] = {
 // longer would take processor time from the program that should reply
 constexpr std::uint64_t spin_most_ns = 10'000'000;
 
-// `plant` and `root` are read in simulate/simulated.py, which makes virtual boards.
+// `plant`, `root`, `board` and `spec` are read in simulate/simulated.py, which makes virtual boards.
 constexpr const char* of_every_link =
     "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, "
     "wait, spin, trace, "
     "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, "
-    "rtl)";
+    "rtl, bit), board and spec (bit)";
 
 // The options of a scheme as a part of a sentence. `last` is the word before the last one.
 std::string listed(const Scheme& scheme, const char* last) {
