@@ -19,6 +19,7 @@ from unitylink.generate.vhdl import (
     component_ports,
     design_file_names,
     design_name,
+    own_source_names,
     plan_designs,
 )
 from unitylink.generate.vhdl.names import Names
@@ -48,7 +49,9 @@ class Logic:
 
 def design_sources(spec: Spec, folder: Path) -> list[Path]:
     """Return the VHDL files that `generate` writes for `spec` into `folder`."""
-    return [folder / name for name in design_file_names(design_name(spec)) if name.endswith(".vhd")]
+    name = design_name(spec)
+    generated = [folder / one for one in design_file_names(name) if one.endswith(".vhd")]
+    return generated + [folder / FOLDER / one for one in own_source_names(name, spec)]
 
 
 @dataclass(frozen=True, kw_only=True)

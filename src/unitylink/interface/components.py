@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from unitylink.spec.model import Instance, Spec
+from unitylink.spec.model import Component, Instance, Spec
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,7 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
     }
     found = []
     for root in spec.roots:
-        for instance in _instances(root):
-            one = instance.component
-            if one is None:
-                continue
+        for instance, one in _placed(root):
             generics = {name: clock_hz if name == "clock_hz" else value for name, value in one.generics}
             triggered = tuple(groups.get((root.name, f"{instance.path}.{event}")) for event in one.events)
             told = (instance.path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
@@ -58,7 +55,15 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
     return tuple(found)
 
 
-def _instances(root: Instance) -> Iterator[Instance]:
-    for inner in root.instances:
-        yield inner
-        yield from _instances(inner)
+def placed_components(spec: Spec) -> Iterator[Component]:
+    """Yield what each instance of a component stands for, in the order of the text."""
+    for root in spec.roots:
+        for _, component in _placed(root):
+            yield component
+
+
+def _placed(instance: Instance) -> Iterator[tuple[Instance, Component]]:
+    for inner in instance.instances:
+        if inner.component is not None:
+            yield inner, inner.component
+        yield from _placed(inner)

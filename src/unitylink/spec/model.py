@@ -155,10 +155,11 @@ class Group:
 
 @dataclass(frozen=True)
 class Component:
-    """The entity of the gateware library for an instance. It is at `base` and takes `words`.
+    """The entity for an instance. It is at `base` and takes `words`.
 
     `generics` are the values that the spec gives. `pins` and `events` are its ports beside the bus: (port,
-    "in" | "out", bits; 0 for a single signal).
+    "in" | "out", bits; 0 for a single signal). `sources` are the VHDL files of an entity that is not of the
+    library.
     """
 
     entity: str
@@ -167,6 +168,7 @@ class Component:
     generics: tuple[tuple[str, int], ...] = ()
     pins: tuple[tuple[str, str, int], ...] = ()
     events: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

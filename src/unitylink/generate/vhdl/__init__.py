@@ -12,6 +12,7 @@ from unitylink.spec.model import Spec
 from ..spec_plan import SpecPlan
 from ..templates import environment
 from .names import identifier
+from .own_sources import own_source_files, own_source_names
 from .plan import Plan
 from .planner import plan_design
 from .records import Leaf
@@ -24,6 +25,7 @@ __all__ = [
     "component_ports",
     "design_file_names",
     "design_name",
+    "own_source_names",
     "plan_design",
     "plan_designs",
     "vhdl_files",
@@ -42,10 +44,11 @@ def vhdl_files(plan: SpecPlan) -> dict[str, str]:
     BindingError for gateware that only a virtual board can have.
     """
     files: dict[str, str] = {}
-    for design in plan.part(plan_designs):
+    for board, design in zip(plan.spec.boards, plan.part(plan_designs), strict=True):
         made = dict(
             zip(design_file_names(design.name), (_text(part, design) for part in _PARTS), strict=True)
         )
+        made |= {f"{FOLDER}/{name}": text for name, text in own_source_files(design.name, board).items()}
         if files.keys() & made.keys():
             raise BindingError(
                 f"vhdl: two boards of {plan.spec.source} are both {design.name} in VHDL; "
@@ -67,7 +70,10 @@ def plan_designs(plan: SpecPlan) -> list[Plan]:
 
 
 def design_file_names(name: str) -> list[str]:
-    """Return the names of the files of a design. `name` is the beginning of its names (`design_name`)."""
+    """Return the names of the generated files of a design. `name` is the beginning of its names.
+
+    See `design_name`. The copies of a user's VHDL (`own_source_names`) are not among them.
+    """
     return [f"{FOLDER}/{name}_{part}" for part in _PARTS]
 
 

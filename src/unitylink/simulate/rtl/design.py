@@ -10,7 +10,7 @@ from typing import Union
 
 from unitylink.generate import SpecPlan, planned_files
 from unitylink.generate.templates import environment
-from unitylink.generate.vhdl import Plan, plan_designs
+from unitylink.generate.vhdl import FOLDER, Plan, plan_designs
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
@@ -47,10 +47,11 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     plan = SpecPlan(spec, configuration)
     (design,) = plan.part(plan_designs)
     top = f"{design.name}_design"
+    around = [f"{FOLDER}/{design.name}_{part}" for part in ("user_pkg.vhd", "top.vhd", "build.sh")]
     files = {
         name.rpartition("/")[2]: text
         for name, text in planned_files(plan, ["vhdl"]).items()
-        if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without the files around the design
+        if name not in around
     }
     if configuration.physical in BEHIND:
         top = f"{design.name}_behind_{configuration.physical}"

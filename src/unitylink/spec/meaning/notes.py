@@ -3,6 +3,7 @@
 
 `@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
 its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
+`@source("pwm.vhd")` names the VHDL of an entity that is not of the library.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from ..annotation import Annotation, AnnotationValue
 from ..model import Component
 from ..text.syntax import AnnotationNode, Notes
 from .evaluate import Evaluator, Value
+from .vhdl_source import find_source
 
-RESERVED = ("component", "generic", "pin", "event")
+RESERVED = ("component", "generic", "pin", "event", "source")
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
@@ -58,6 +60,7 @@ def component(
     generics: list[tuple[str, int]] = []
     pins: list[tuple[str, str, int]] = []
     events: list[str] = []
+    sources: list[str] = []
     for node in notes.annotations:
         kind = node.name.text
         if kind not in RESERVED:
@@ -66,13 +69,18 @@ def component(
             v for a in node.arguments if a.key is None and isinstance(v := evaluator.value(a, names), str)
         ]
         keys = [a.key.text for a in node.arguments if a.key is not None]
-        wrong = next((name for name in (*texts[:1], *keys) if not _NAME.fullmatch(name)), None)
+        named = () if kind == "source" else texts[:1]
+        wrong = next((name for name in (*named, *keys) if not _NAME.fullmatch(name)), None)
         if wrong is not None:
             message = f"{wrong!r} is no name of VHDL"
             hint = "a letter first, then letters, digits and single `_` between them"
             evaluator.reporter.report("UL098", node.name.start, node.name.end, message, hint)
         elif kind == "component" and len(texts) == 1 and len(node.arguments) == 1:
             entity = texts[0]
+        elif kind == "source" and texts and len(texts) == len(node.arguments):
+            paths = zip(texts, node.arguments, strict=True)
+            found = [find_source(text, argument, evaluator.reporter) for text, argument in paths]
+            sources += [path for path in found if path is not None]
         elif kind == "event" and len(texts) == 1 and len(node.arguments) == 1:
             events.append(texts[0])
         elif kind == "generic" and node.arguments and all(a.key is not None for a in node.arguments):
@@ -90,7 +98,7 @@ def component(
             _wrong(node, evaluator)
     if not entity:
         return None
-    return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events))
+    return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events), tuple(sources))
 
 
 def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
@@ -100,6 +108,7 @@ def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
         "generic": "`@generic(name=number)`",
         "pin": '`@pin("port", "in")`, `@pin("port", "out", bits)`',
         "event": '`@event("port")`',
+        "source": '`@source("stepper.vhd")`',
     }[kind]
     message = f"this is no `@{kind}` of a component"
     evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")

@@ -37,6 +37,11 @@ def _described(folder: Path) -> Path:
     return folder / f"{folder.name}.ul"
 
 
+def is_below(name: str) -> bool:
+    """Is this the name of a file below a folder: relative, with `/` between folders, without `..`?"""
+    return all(_PART.fullmatch(part) and part not in (".", "..") for part in name.split("/"))
+
+
 class Importer:
     """Reads a spec's main file and all files that it imports. `program` has everything that they declare."""
 
@@ -85,8 +90,7 @@ class Importer:
     def _find(self, source: Source, node: ImportNode) -> Path | None:
         name = node.file.value
         place = node.file.start, node.file.end
-        parts = name.split("/")
-        if not all(_PART.fullmatch(part) and part not in (".", "..") for part in parts):
+        if not is_below(name):
             message = "this is not the name of a file below the search path"
             hint = 'write it relative to this file, such as "parts/joint.ul", without `..`'
             self.reporter.report("UL044", *place, message, hint)
