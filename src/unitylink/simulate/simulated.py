@@ -28,13 +28,9 @@ _ASKED_FOR = ("spi", "rs485")  # physical layers that never send by themselves
 def simulated_board(url: str) -> tuple[Board, str]:
     """Make the board of `sim:SPEC.ul?plant=NAME&…`. Return it with the URL for a link to it.
 
-<<<<<<< HEAD
     With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl). With `bit:`, its bitstream
-    is built and run (simulate.bit, docs/bitstream.md).
-=======
-    With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl). So it is if the spec has a
+    is built and run (simulate.bit, docs/bitstream.md). `sim:` too compiles the VHDL if the spec has a
     component of the user's own, of which there is no model.
->>>>>>> 9b1fd0f5 (Take a component of a user's own: @source names its VHDL)
 
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
@@ -55,14 +51,8 @@ def simulated_board(url: str) -> tuple[Board, str]:
     settings = _settings_in(url, options)
     # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
-<<<<<<< HEAD
     board = _KINDS[kind](url, path, options, settings, endpoint)
     options.setdefault("timeout", _TIMEOUT_S[kind])
-=======
-    if kind == "sim" and _needs_vhdl(spec):
-        kind = "rtl"
-    board = _KINDS[kind](spec, plant, settings, endpoint)
->>>>>>> 9b1fd0f5 (Take a component of a user's own: @source names its VHDL)
     if board.configuration.protocol == "framed":  # a request in text would only cost time
         options.setdefault("protocol", "framed")
     try:
@@ -73,7 +63,6 @@ def simulated_board(url: str) -> tuple[Board, str]:
     return board, link_url
 
 
-<<<<<<< HEAD
 def _spec_in(url: str, path: str, options: dict[str, str]) -> Spec:
     """Return the spec in the file `path`, or the part of it that `root=` chooses."""
     try:
@@ -90,14 +79,6 @@ def _spec_in(url: str, path: str, options: dict[str, str]) -> Spec:
 
 
 def _settings_in(url: str, options: dict[str, str]) -> _Settings:
-=======
-def _needs_vhdl(spec: Spec) -> bool:
-    """Does the spec have a component of the user's own? There is no model of it, but its VHDL."""
-    return any(one.sources and not _native.has_component_model(one.entity) for one in placed_components(spec))
-
-
-def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
->>>>>>> 9b1fd0f5 (Take a component of a user's own: @source names its VHDL)
     """Take the settings of the board out of `options`.
 
     The link also gets the settings that a device tells by itself.
@@ -113,7 +94,14 @@ def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
     return settings
 
 
+def _needs_vhdl(spec: Spec) -> bool:
+    """Does the spec have a component of the user's own? There is no model of it, but its VHDL."""
+    return any(one.sources and not _native.has_component_model(one.entity) for one in placed_components(spec))
+
+
 def _twin(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+    if _needs_vhdl(_spec_in(url, path, options)):
+        return _gateware(url, path, options, settings, endpoint)
     spec, plant = _spec_and_plant(url, path, options)
     configuration = BoardConfiguration.for_spec(spec, **settings)
     return Board(spec, configuration=configuration, plant=plant, endpoint=endpoint)
