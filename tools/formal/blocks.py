@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from block import Block, Mutant
+from bus_blocks import BUS_BLOCKS
+from component_blocks import COMPONENT_BLOCKS
 from physical_blocks import PHYSICAL_BLOCKS
 
 BLOCKS = (
@@ -36,136 +38,7 @@ BLOCKS = (
             Mutant("datalink_pkg.vhd", "for step in 0 to 7 loop", "for step in 0 to 6 loop"),
         ),
     ),
-    Block(
-        "wishbone_master",
-        "`bus/wishbone_master`, 2-bit address, 8-bit data, timeout of 3 clocks",
-        depth=16,
-        pdr=True,
-        not_proven="a slave that answers more than twice the timeout late",
-        mutants=(
-            Mutant("wishbone_master.vhd", "resting <= '1';", "resting <= '0';"),
-            Mutant("wishbone_master.vhd", "        held    <= '0';\n      elsif", "      elsif"),
-            Mutant("wishbone_master.vhd", "strobe and not expired;", "strobe;"),
-            Mutant(
-                "wishbone_master.vhd",
-                "or wishbone_s2m.ack = '1' or wishbone_s2m.err = '1' then",
-                "or waited = 1 then",
-            ),
-        ),
-    ),
-    Block(
-        "wishbone_interconnect",
-        "`bus/wishbone_interconnect`, three slaves, 32-bit addresses",
-        depth=4,
-        induction=2,
-        quick=True,
-        not_proven="other maps; arbitration, because there is only one master",
-        mutants=(
-            Mutant("wishbone_interconnect.vhd", "and not (or hit);", "and (nor hit) and not master_m2s.we;"),
-            Mutant("wishbone_interconnect.vhd", "master_m2s.stb and hit(slave);", "master_m2s.stb;"),
-            Mutant(
-                "wishbone_interconnect.vhd",
-                "unsigned(master_m2s.adr) <= last",
-                "unsigned(master_m2s.adr) < last",
-            ),
-        ),
-    ),
-    Block(
-        "wishbone_arbiter",
-        "`bus/wishbone_arbiter`, three masters",
-        depth=10,
-        pdr=True,
-        not_proven="other numbers of masters: the bench has one to three",
-        mutants=(
-            Mutant(
-                "wishbone_arbiter.vhd", "found     := taken = '1';", "found := masters_m2s(last).cyc = '1';"
-            ),
-            Mutant(
-                "wishbone_arbiter.vhd", "taken <= masters_m2s(now).cyc;", "taken <= masters_m2s(now).stb;"
-            ),
-            Mutant("wishbone_arbiter.vhd", "candidate := last;", "candidate := masters - 1;"),
-            Mutant("wishbone_arbiter.vhd", "masters_s2m(master).err <= '0';", "null;"),
-        ),
-    ),
-    Block(
-        "wishbone_crossing",
-        "`bus/wishbone_crossing`, two clocks of any ratio; depths in half clocks",
-        depth=6,
-        deep=28,
-        several_clocks=True,
-        not_proven="resets, timeouts, a master that gives up, the ends of blocks: the bench tests them",
-        mutants=(
-            Mutant("wishbone_crossing.vhd", "if done_seen = asked then", "if true then"),
-            Mutant("wishbone_crossing.vhd", "answer_crossed <= answer_held;", "null;"),
-            Mutant("wishbone_crossing.vhd", "if asked_seen /= done then", "if true then"),
-        ),
-    ),
-    Block(
-        "wishbone_memory",
-        "`bus/wishbone_memory`, 4 words of 8 bits",
-        depth=10,
-        pdr=True,
-        not_proven="other sizes",
-        mutants=(
-            Mutant(
-                "wishbone_memory.vhd",
-                "unsigned(wishbone_m2s.adr) < words",
-                "unsigned(wishbone_m2s.adr) <= words",
-            ),
-            Mutant("wishbone_memory.vhd", "asked and not inside and not reset;", "asked and not reset;"),
-        ),
-    ),
-    Block(
-        "double_buffer_slave",
-        "`bus/double_buffer_slave`, 2 words of 8 bits",
-        depth=10,
-        pdr=True,
-        not_proven="other sizes; a reset during an access",
-        mutants=(
-            Mutant(
-                "double_buffer_slave.vhd",
-                "write_index <= (not visible) & index;",
-                "write_index <= visible & index;",
-            ),
-            Mutant(
-                "double_buffer_slave.vhd",
-                "banks(to_integer(unsigned'(visible & index)));",
-                "banks(to_integer(unsigned'(not visible & index)));",
-            ),
-            Mutant(
-                "double_buffer_slave.vhd",
-                "user_write_ready <= not wishbone_m2s.cyc;",
-                "user_write_ready <= not wishbone_m2s.stb;",
-            ),
-        ),
-    ),
-    Block(
-        "axi_lite_master",
-        "`bus/axi_lite_master`, 4-bit address, 8-bit data, timeout of 3 clocks",
-        depth=14,
-        pdr=True,
-        not_proven="whether a write that ended `silent` took place: AXI cannot tell",
-        mutants=(
-            Mutant("axi_lite_master.vhd", "if over = '1' and given_up = '0' then", "if over = '1' then"),
-            Mutant("axi_lite_master.vhd", "ar <= ar and not axi_lite_s2m.arready;", "ar <= '0';"),
-            Mutant("axi_lite_master.vhd", "          given_up <= '1';", "          given_up <= '0';"),
-        ),
-    ),
-    Block(
-        "axi_lite_slave",
-        "`bus/axi_lite_slave`, timeout of 3 clocks",
-        depth=12,
-        pdr=True,
-        not_proven="that a slave which answered too late has forgotten the access: Wishbone demands it",
-        mutants=(
-            Mutant(
-                "axi_lite_slave.vhd", "axi_lite_s2m.wready  <= not data_full;", "axi_lite_s2m.wready  <= '1';"
-            ),
-            Mutant("axi_lite_slave.vhd", "<= axi_lite_m2s.wstrb;", '<= "1111";'),
-            Mutant("axi_lite_slave.vhd", "response <= axi_slave_error_c;", "null;"),
-            Mutant("axi_lite_slave.vhd", "axi_lite_m2s.bready = '1' then", "true then"),
-        ),
-    ),
+    *BUS_BLOCKS,
     *PHYSICAL_BLOCKS,
     Block(
         "receiver",
@@ -430,4 +303,5 @@ BLOCKS = (
             ),
         ),
     ),
+    *COMPONENT_BLOCKS,
 )
