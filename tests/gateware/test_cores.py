@@ -31,6 +31,21 @@ def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int) -> N
     ghdl.run("quadrature_encoder_tb", data_width=data_width, stable_clocks=stable_clocks)
 
 
+def test_stepgen(ghdl: Any) -> None:
+    ghdl.run("stepgen_tb")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("axes", "clock_mhz", "seed"), [(1, 8, 2), (3, 20, 3), (4, 25, 4)])
+def test_stepgen_for_long(ghdl: Any, axes: int, clock_mhz: int, seed: int) -> None:
+    ghdl.run("stepgen_tb", axes=axes, clock_hz=clock_mhz * 1_000_000, seed=seed, rounds=20)
+
+
+@pytest.mark.parametrize(("axes", "clock_hz"), [(2, 11_000_000), (4, 5_000_000)])
+def test_a_clock_that_is_too_slow_for_stepgen_stops_elaboration(ghdl: Any, axes: int, clock_hz: int) -> None:
+    ghdl.refuse("stepgen_tb", "is too slow for", axes=axes, clock_hz=clock_hz)
+
+
 @pytest.mark.parametrize(("data_width", "depth", "seed"), [(32, 8, 1), (32, 2, 2), (16, 32, 3), (8, 4, 4)])
 def test_fifo_slave(ghdl: Any, data_width: int, depth: int, seed: int) -> None:
     ghdl.run("fifo_slave_tb", data_width=data_width, depth=depth, seed=seed)

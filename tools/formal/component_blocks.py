@@ -22,4 +22,42 @@ COMPONENT_BLOCKS = (
             Mutant("gpio.vhd", 'writable => "011111"', 'writable => "111111"'),
         ),
     ),
+    Block(
+        "stepgen_pulse",
+        "`components/stepgen`, the pins STEP and DIR of an axis",
+        depth=24,
+        pdr=True,
+        quick=True,
+        not_proven="other times: the proof is of 3, 2, 4 and 2 clocks",
+        mutants=(
+            Mutant("stepgen_pulse.vhd", "setup_clocks - 1;", "setup_clocks - 2;"),
+            Mutant("stepgen_pulse.vhd", "timer <= space_clocks - 1;", "timer <= 0;"),
+            Mutant("stepgen_pulse.vhd", "timer <= length_clocks - 1;", "timer <= length_clocks - 2;"),
+            Mutant("stepgen_pulse.vhd", "timer <= hold_clocks - 1;", "timer <= 0;"),
+            Mutant("stepgen_pulse.vhd", "and state /= holding else", "else"),
+            Mutant(
+                "stepgen_pulse.vhd",
+                "ask = '1' and ready = '1' and down /= direction",
+                "ask = '1' and ready = '1'",
+            ),
+        ),
+    ),
+    Block(
+        "stepgen_motion",
+        "`components/stepgen`, the steps and the positions of two axes, at eight clocks a base period",
+        depth=20,
+        reach=70,
+        pdr=True,
+        loose=("dut.beyond", "dut.down"),
+        seen={"asks": "dut.ask", "takes": "dut.taken", "stores": "dut.store"},
+        not_proven="the arithmetic of a phase: a step may be wanted at any base period; other numbers "
+        "of axes; the latches (the bench tests them)",
+        mutants=(
+            Mutant("stepgen_motion.vhd", "(ask = '1' and taken = '0')", "(ask = '1' and down = '0')"),
+            Mutant("stepgen_motion.vhd", "moved(axis_last) <= '1';", "moved(axis_last) <= down;"),
+            Mutant("stepgen_motion.vhd", "if direction(slot - positions_at) = '1'", "if direction(0) = '1'"),
+            Mutant("stepgen_motion.vhd", "phases_at + maximum(axes, 3);", "phases_at + axes;"),
+            Mutant("stepgen_motion.vhd", "moved(axis_now) <= '0';", "moved(axis_now) <= down;"),
+        ),
+    ),
 )
