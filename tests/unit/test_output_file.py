@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 import os
 import resource
 import signal
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink import connect, output_file
+from unitylink import connect
 from unitylink.cli import main
 from unitylink.errors import LinkError, UnityLinkError
 from unitylink.output_file import check_output, create_output, replace_file, write_output
@@ -157,7 +156,3 @@ def test_a_replacement_that_fails_leaves_the_old_file_alone(tmp_path: Path) -> N
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, ignored)
     assert path.read_text() == "old" and [file.name for file in tmp_path.iterdir()] == ["arm.ul"]
-
-
-def test_the_examples_in_docstrings() -> None:
-    assert doctest.testmod(output_file).failed == 0

@@ -88,7 +88,7 @@ def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> 
 
 
 class Pieces:
-    """Cuts one direction of a link into lines, each with its line feed, and frames, each with its closing
+    r"""Cuts one direction of a link into lines, each with its line feed, and frames, each with its closing
     border.
 
     Borders before a piece belong to it, so that no byte is left out.

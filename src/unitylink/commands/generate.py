@@ -72,7 +72,7 @@ def command(
       unitylink generate arm.ul
       unitylink generate arm.ul --out build --only python,vhdl
       unitylink generate arm.ul --out build --only vhdl,bench
-    unitylink generate arm.ul --out build --only vhdl --physical ft245_async
+      unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate two_arms.ul --out build --only vhdl --root left_arm
       unitylink generate arm.ul --check
     """

@@ -14,10 +14,10 @@ def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
     The commit of a TosNet or double-buffered memory follows its words. Such a memory swaps and does not copy.
     So after the commit, a word without a SAFE value has its value of two commits before.
 
-    >>> from unitylink.spec import parse_spec
-    >>> spec = parse_spec("pub robot(root) { power: u32 WRITE SAFE 7 @ 0x10; }")  # doctest: +SKIP
-    >>> safe_words(spec, 32)  # doctest: +SKIP
-    ((16, 7),)
+    >>> from unitylink.spec import compile_text
+    >>> text = "public arm() { @power = 0x10: WRITE(SAFE=7); @limit = 0x20: i64 WRITE(SAFE=-2); }"
+    >>> safe_words(compile_text(text, "arm.ul").spec, 32)
+    ((16, 7), (32, 4294967294), (33, 4294967295))
     """
     words: list[tuple[int, int]] = []
     committed: dict[LinkBinding, None] = {}

@@ -6,7 +6,6 @@ One extra has all of these.
 
 from __future__ import annotations
 
-import doctest
 import importlib.util
 import re
 import shlex
@@ -16,7 +15,6 @@ from pathlib import Path
 
 import pytest
 
-from unitylink import optional
 from unitylink.cli import main
 from unitylink.optional import installation, requirement
 
@@ -94,7 +92,3 @@ def test_one_extra_has_all_of_them_and_what_a_new_project_is_tested_with() -> No
 def test_the_demo_ends_by_naming_it() -> None:
     rule = (ROOT / "Makefile").read_text("utf-8").partition("\ndemo: ")[2].partition("\n\nextras:")[0]
     assert "make extras" in rule.splitlines()[-1]
-
-
-def test_examples() -> None:
-    assert doctest.testmod(optional).failed == 0

@@ -29,6 +29,7 @@ def test_every_command_has_help_with_examples(capsys: pytest.CaptureFixture[str]
         assert cli.main([name, "--help"]) == 0, name
         out = capsys.readouterr().out
         assert "Example" in out and f"  unitylink {name}" in out
+        assert set(re.findall(r"^( *)unitylink ", out.partition("Example")[2], re.M)) == {"    "}, name
         assert max(map(len, out.splitlines())) <= 110, name
 
 

@@ -3,12 +3,9 @@
 
 from __future__ import annotations
 
-import doctest
-
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.commands import reorder_buffer
 from unitylink.commands.reorder_buffer import ReorderBuffer
 
 HOLD_S = 1.0
@@ -46,7 +43,3 @@ def test_without_a_hold_time_things_come_out_as_they_were_put_in() -> None:
     for time_s, thing in ((3.0, "a"), (1.0, "b"), (2.0, "c")):
         assert held.put(time_s, thing)
     assert [held.take(0.0) for _ in range(4)] == ["a", "b", "c", None]
-
-
-def test_examples() -> None:
-    assert doctest.testmod(reorder_buffer).failed == 0

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 import gc
 import pkgutil
 import subprocess
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.generate import SpecPlan, planned_files, spec_plan
+from unitylink.generate import SpecPlan, planned_files
 from unitylink.generate.templates import environment
 from unitylink.resources import cache_folder
 from unitylink.spec import Spec, compile_text
@@ -61,10 +60,6 @@ def test_a_spec_is_planned_once_on_the_way_to_all_its_files(
     expected = [target for target, needed in planners.items() if needed & set(artefacts)]
     again = [target for target, needed in planners.items() if needed & set(artefacts[:1])]
     assert sorted(made) == sorted(expected + again)
-
-
-def test_the_example_of_a_plan() -> None:
-    assert doctest.testmod(spec_plan) == doctest.TestResults(failed=0, attempted=4)
 
 
 def test_the_collector_runs_again_whatever_happens() -> None:

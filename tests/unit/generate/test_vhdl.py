@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import doctest
 import os
 import re
 from itertools import pairwise
@@ -19,8 +18,7 @@ from unitylink.commands.generate import command
 from unitylink.errors import BindingError, ValueRangeError
 from unitylink.generate import generate, generate_vhdl
 from unitylink.generate.quoting import Vhdl
-from unitylink.generate.vhdl import blocks as plan_blocks
-from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
+from unitylink.generate.vhdl import design_name, word_map
 from unitylink.generate.vhdl.blocks import WINDOW, blocks
 from unitylink.generate.vhdl.names import KEYWORDS, Names
 from unitylink.interface.board_configuration import BoardConfiguration
@@ -276,11 +274,6 @@ def test_the_users_logic_drives_a_value_that_is_published_on_change() -> None:
     text = "public a() { @x = 0x0: READWRITE(PUBLISH(on change)); }"
     with pytest.raises(BindingError, match="x is published on change, but your logic does not drive it"):
         generate_vhdl(spec_of(text))
-
-
-def test_the_examples_of_the_docstrings() -> None:
-    for module in (names, words, plan_blocks, value_types, planner):
-        assert doctest.testmod(module).failed == 0
 
 
 @pytest.mark.parametrize("physical", SETTINGS["physical"].choices)

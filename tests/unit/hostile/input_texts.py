@@ -121,7 +121,7 @@ public lamp() {
    @gain = 0x13: f32 WRITE(); @state = 0x14: state WRITE(); @count = 0x15: u16 WRITE(UNIT="mm");
 }
 """
-_COMMANDS = (
+_COMMANDS = (  # of commands that make no file and serve nothing
     "check lamp.ul",
     "check lamp.ul --json",
     "list --spec lamp.ul",
@@ -137,7 +137,7 @@ _COMMANDS = (
     "write sim:lamp.ul count=12mm 0x10=0xFF --json",
     "info sim:lamp.ul?protocol=framed&spec_hash=any&deadman=1",
 )
-_READ_ONLY = {"check", "list", "explain", "budget", "diff", "decode", "read", "write", "info"}
+_NAMES = {line.partition(" ")[0] for line in _COMMANDS}
 
 
 def command_lines(folder: Path) -> list[bytes]:
@@ -148,7 +148,7 @@ def command_lines(folder: Path) -> list[bytes]:
 
 def read_command_line(data: bytes, folder: Path) -> None:
     words = [os.fsdecode(word) for word in data.split(b"\0")]
-    if words[0] not in _READ_ONLY or any(_PORT.match(word) for word in words):
+    if words[0] not in _NAMES or any(_PORT.match(word) for word in words):
         return  # it would make files, serve, or send to ports of this machine
     if any(word.startswith(("--out", "--pcapng", "--fix")) or "trace=" in word for word in words):
         return

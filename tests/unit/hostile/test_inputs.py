@@ -54,6 +54,17 @@ def test_inputs_that_are_good_are_read(kind: str, folder: Path) -> None:
         inputs.read(inputs.kinds[0], data)
 
 
+def test_each_good_command_line_is_run(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line that `read_command_line` leaves out would be a test of nothing, and so would its mutations."""
+    run: list[list[str]] = []
+    monkeypatch.setattr("input_texts.command", lambda words, _: run.append(words))
+    inputs = Inputs(folder, "command line")
+    lines = inputs.good["command line"]
+    for data in lines:
+        inputs.read(inputs.kinds[0], data)
+    assert [" ".join(words).encode() for words in run] == [data.replace(b"\0", b" ") for data in lines]
+
+
 def test_only_errors_of_ours_are_allowed() -> None:
     with allowed():
         raise UrlError("one of ours")

@@ -6,7 +6,6 @@ A value that does not fit is refused or saturates. Arrays work like single value
 
 from __future__ import annotations
 
-import doctest
 import importlib
 import math
 import struct
@@ -251,8 +250,3 @@ def test_members_are_printed_by_name_and_are_numbers() -> None:
     stop = codec.decode(3)
     texts = (str(stop), f"{stop}", f"{stop:>6}", f"{stop:d}", f"{stop:02x}")
     assert (texts, stop + 1) == (("stop", "stop", "  stop", "3", "03"), 4)
-
-
-def test_examples() -> None:
-    for module in (classes, codec_module, names, quantity):
-        assert doctest.testmod(module).failed == 0

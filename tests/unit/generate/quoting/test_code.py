@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import ast
-import doctest
 import re
 from pathlib import Path
 
@@ -113,9 +112,3 @@ def test_the_result_of_formatting_code_is_not_code() -> None:
     """An f-string checks nothing, so its result is not accepted as code."""
     with pytest.raises(UnquotedText):
         Cpp.of("{}", f"{Cpp('x = 1;')}")
-
-
-@pytest.mark.parametrize("module", ["code", "cpp", "python", "scripts", "vhdl", "xml"])
-def test_the_examples_of_the_docstrings(module: str) -> None:
-    failed, tried = doctest.testmod(__import__(f"{quoting.__name__}.{module}", fromlist=["x"]))
-    assert failed == 0 and (tried or module == "vhdl")
