@@ -73,7 +73,11 @@ std::vector<std::uint32_t> addresses_of(nb::handle object, const char* name) {
 
 std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
   const auto library = nb::cast<std::string>(model.attr("library"));
-  RtlWords words{addresses_of(model, "read_addresses"), addresses_of(model, "write_addresses")};
+  RtlWords words{addresses_of(model, "read_addresses"), addresses_of(model, "write_addresses"), {}};
+  for (nb::handle places : nb::object(model.attr("pin_places"))) {
+    words.pins.push_back(
+        {nb::cast<std::vector<std::uint32_t>>(places[0]), nb::cast<std::vector<std::uint32_t>>(places[1])});
+  }
   std::string problem;
   try {
     return std::make_unique<RtlDevice>(library, std::move(words), configuration);

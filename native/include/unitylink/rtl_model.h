@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define UNITYLINK_RTL_ABI 2u /* raised whenever something below changes */
+#define UNITYLINK_RTL_ABI 3u /* raised whenever something below changes */
 
 /* A byte moves at the end of a clock in which its valid and its ready are both high. */
 typedef struct unitylink_rtl_pins {
@@ -40,6 +40,10 @@ typedef struct unitylink_rtl {
   uint32_t (*was_written)(const void* model, uint32_t index); /* 1 in the first clock of a new word */
   void (*set_event)(void* model, uint32_t group, uint32_t high);
   const char* (*failure)(const void* model); /* the assertion of the gateware that failed, "" while none has */
+  uint32_t input_pins;                       /* pins of components, those of all ports side by side */
+  uint32_t output_pins;
+  void (*set_pin)(void* model, uint32_t index, uint32_t high);
+  uint32_t (*get_pins)(const void* model, uint32_t word); /* 32 output pins, the first in bit 0 */
 } unitylink_rtl;
 
 const unitylink_rtl* unitylink_rtl_model(void);

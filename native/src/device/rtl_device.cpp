@@ -52,6 +52,7 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
       write_index_(indices(words.write)),
       given_(words.read.size()),
       write_addresses_(words.write),
+      outside_(model_, state_.get(), words.pins, configuration_.components),
       input_(configuration_),
       output_(configuration_) {
   if (!state_) {
@@ -143,8 +144,14 @@ void RtlDevice::step() {
   pins_.tx_ready = output_.room() > 0 ? 1 : 0;
   pins_.rx_error = error_;
   error_ = 0;
+  if (outside_.exist() && outside_.next_turn() <= clock_) {
+    outside_.advance_turns(clock_);
+  }
   model_->clock(state_.get(), &pins_);
   ++clock_;
+  if (outside_.exist()) {
+    outside_.look(clock_);
+  }
   for (const Flags& flags : flags_) {
     if (model_->was_written(state_.get(), flags.write) != 0) {
       give(flags.read, given_[flags.read] & ~model_->get_word(state_.get(), flags.write));

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "device/component/model_pins.hpp"
+#include "device/component/rtl_pins.hpp"
 #include "device/served_device.hpp"
 #include "unitylink/rtl_model.h"
 
@@ -22,10 +22,11 @@ class RtlError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The addresses of a model's words. Their place in the list is their place in the model.
+// The addresses of a model's words, and the places of its pins. Their place in the list is their place in the model.
 struct RtlWords {
   std::vector<std::uint32_t> read;   // addresses that the PC reads: `set` writes them, `get` gives the value set
   std::vector<std::uint32_t> write;  // addresses that the PC writes: `get` reads them
+  std::vector<RtlPinPlaces> pins;    // of each component; empty: they cannot be reached
 };
 
 // Unlike the twin, it does not know what comes next. So every clock is run, and next_event() is only a time to look
@@ -90,7 +91,7 @@ class RtlDevice final : public ServedDevice {
   std::uint8_t error_ = 0;
   Clock clock_ = 0;
   DeviceStatistics statistics_;
-  ModelPins outside_{{}, {}};
+  RtlPins outside_;
 };
 
 }  // namespace unitylink::device

@@ -46,11 +46,13 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
         if group.trigger == "event"
     }
     found = []
+    several = len(spec.roots) > 1
     for root in spec.roots:
         for instance, one in _placed(root):
             generics = {name: clock_hz if name == "clock_hz" else value for name, value in one.generics}
             triggered = tuple(groups.get((root.name, f"{instance.path}.{event}")) for event in one.events)
-            told = (instance.path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
+            path = f"{root.name}.{instance.path}" if several else instance.path
+            told = (path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
             found.append(ComponentConfiguration(*told, one.events, triggered))
     return tuple(found)
 

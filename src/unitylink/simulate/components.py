@@ -130,7 +130,7 @@ class BoardComponent:
     def _without_pins(self) -> ValueRangeError:
         return ValueRangeError(
             f"the pins of {self.configuration.path} cannot be reached on this board: "
-            f"{self.configuration.entity} has no model here"
+            f"there is neither a model of {self.configuration.entity} nor its VHDL"
         )
 
 

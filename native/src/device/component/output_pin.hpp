@@ -39,6 +39,7 @@ class OutputPin {
     return high_clocks_ + (level_ ? state - changed_ : 0);
   }
 
+  [[nodiscard]] bool is_counted() const noexcept { return direction_ != nullptr; }
   void count_by(const OutputPin* direction) noexcept { direction_ = direction; }
   void watch(Watcher watcher) { watcher_ = std::move(watcher); }
   [[nodiscard]] bool is_watched() const noexcept { return static_cast<bool>(watcher_); }

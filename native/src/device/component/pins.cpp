@@ -7,6 +7,66 @@
 
 namespace unitylink::device {
 
+namespace {
+
+struct Place {
+  std::uint32_t first = 0;
+  std::uint32_t bits = 0;
+};
+
+// Where the pins of a port are among the inputs, or among the outputs.
+Place place_of(const ComponentConfiguration& configuration, const std::string& port, bool input) {
+  std::uint32_t first = 0;
+  for (const PinConfiguration& pin : configuration.pins) {
+    if (pin.input == input) {
+      if (pin.name == port) {
+        return {first, pin.bits};
+      }
+      first += pin.bits;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+bool Pins::drive(std::uint32_t component, std::uint32_t pin, bool level, Clock at) {
+  for (const auto& one : two_way_) {
+    if (one->component == component && one->input == pin) {
+      one->outside = level;
+      return settle(*one, at);
+    }
+  }
+  return put(component, pin, level, at);
+}
+
+void Pins::join(std::uint32_t component, const ComponentConfiguration& configuration) {
+  for (const PinConfiguration& pin : configuration.pins) {
+    if (!pin.input || !pin.name.ends_with("_in")) {
+      continue;
+    }
+    const std::string name = pin.name.substr(0, pin.name.size() - 3);
+    const Place input = place_of(configuration, pin.name, true);
+    const Place out = place_of(configuration, name + "_out", false);
+    const Place drive = place_of(configuration, name + "_drive", false);
+    if (out.bits != input.bits || drive.bits != input.bits) {
+      continue;
+    }
+    for (std::uint32_t bit = 0; bit < input.bits; ++bit) {
+      OutputPin* level = output(component, out.first + bit, 0);
+      OutputPin* driven = output(component, drive.first + bit, 0);
+      two_way_.push_back(std::make_unique<TwoWay>(TwoWay{component, input.first + bit, level, driven}));
+      const auto settles = [this, both = two_way_.back().get()](bool, Clock state) { settle(*both, state); };
+      level->watch(settles);
+      driven->watch(settles);
+    }
+  }
+}
+
+bool Pins::settle(const TwoWay& pin, Clock at) {
+  return put(pin.component, pin.input, pin.driven->level() ? pin.out->level() : pin.outside, at);
+}
+
 // The clock of the next count. With more than one count a clock, the lines jump, as those of a shaft that is too fast.
 Clock Pins::Shaft::next() const noexcept {
   if (counts == to) {

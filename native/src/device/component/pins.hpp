@@ -5,9 +5,12 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "device/clock.hpp"
+#include "device/component/component_configuration.hpp"
 #include "device/component/output_pin.hpp"
 
 namespace unitylink::device {
@@ -22,11 +25,15 @@ struct EncoderLines {
   friend bool operator<(const EncoderLines& left, const EncoderLines& right) noexcept { return left.a < right.a; }
 };
 
+// Ports called X_in, X_out and X_drive are one pin that goes both ways: an output that is driven is what is read.
 class Pins {
  public:
+  Pins() = default;
+  Pins(const Pins&) = delete;
+  Pins& operator=(const Pins&) = delete;
   virtual ~Pins() = default;
   // Numbers are places among the inputs, or among the outputs, of a component. False: there is no such pin.
-  virtual bool drive(std::uint32_t component, std::uint32_t pin, bool level, Clock at) = 0;
+  bool drive(std::uint32_t component, std::uint32_t pin, bool level, Clock at);
   // The output as it is in this state, or nullptr.
   virtual OutputPin* output(std::uint32_t component, std::uint32_t pin, Clock state) = 0;
 
@@ -36,7 +43,22 @@ class Pins {
   [[nodiscard]] Clock next_turn() const noexcept;
   void advance_turns(Clock now);
 
+ protected:
+  virtual bool put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) = 0;
+  // Finds the pins of a component that go both ways.
+  void join(std::uint32_t component, const ComponentConfiguration& configuration);
+
  private:
+  struct TwoWay {
+    std::uint32_t component;
+    std::uint32_t input;
+    OutputPin* out;
+    OutputPin* driven;
+    bool outside = false;  // what the outside gives
+  };
+
+  bool settle(const TwoWay& pin, Clock at);
+
   struct Shaft {
     std::int64_t counts = 0;  // that the lines show
     std::int64_t from = 0;    // counts at `begun`
@@ -50,6 +72,7 @@ class Pins {
 
   void show(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock at);
 
+  std::vector<std::unique_ptr<TwoWay>> two_way_;
   std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
 };
 

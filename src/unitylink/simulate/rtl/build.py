@@ -20,7 +20,7 @@ from unitylink.resources import resource_folder
 
 from .cache import cached
 from .design import RtlDesign, RtlModel
-from .verilog import either_edge_will_do, model_of, stream_ports_of
+from .verilog import either_edge_will_do, model_of, pins_of, stream_ports_of
 
 Progress = Callable[[str], None]
 
@@ -64,7 +64,7 @@ def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel
         library = cached(_key(design, tools), build, say)
     finally:
         say("")
-    return RtlModel(str(library), design.read_addresses, design.write_addresses)
+    return RtlModel(str(library), design.read_addresses, design.write_addresses, design.pin_places)
 
 
 def build_of_netlist(verilog: str, top: str, say: Progress) -> str:
@@ -114,7 +114,7 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
     """Return a hash of everything that goes into the library."""
     parts = [
         tools.versions,
-        repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()))),
+        repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()), design.pins)),
     ]
     parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
     parts += [f"{name}\n{text}" for name, text in sorted(design.files.items())]
@@ -131,7 +131,7 @@ def _build(design: RtlDesign, tools: _Tools, folder: Path, library: Path, say: P
         sources.append(folder / name)
         sources[-1].write_text(text, encoding="utf-8")
     verilog = netlist(design.top, sources=sources, generics=design.generics)
-    compile_netlist(verilog, design.top, library, tools=tools, say=say)
+    compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins)
 
 
 def compile_netlist(
@@ -141,13 +141,17 @@ def compile_netlist(
     *,
     tools: _Tools | None = None,
     say: Progress | None = None,
+    pins: Sequence[str] = (),
 ) -> None:
-    """Make the shared library of the netlist `verilog` of `top`. Raises ToolError."""
+    """Make the shared library of the netlist `verilog` of `top`. `pins` are names of ports of it.
+
+    Raises ToolError.
+    """
     tools = tools if tools is not None else _Tools()
     say = say if say is not None else _silent
     with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:
         folder = Path(work)
-        (folder / "model.v").write_text(model_of(verilog, top), encoding="utf-8")
+        (folder / "model.v").write_text(model_of(verilog, top, pins), encoding="utf-8")
         say(f"compiling the gateware of {top}, this once: verilator")
         _run(
             [
@@ -163,16 +167,19 @@ def compile_netlist(
             ],
             folder,
         )
-        _compile(folder, _kind(verilog, top), top, library, tools=tools, say=say)
+        _compile(folder, _kind(verilog, top, pins), top, library, tools=tools, say=say)
 
 
-def _kind(verilog: str, top: str) -> list[str]:
+def _kind(verilog: str, top: str, pins: Sequence[str]) -> list[str]:
+    inputs, outputs = pins_of(verilog, top, pins)
     bits = {port.name: port.bits for port in stream_ports_of(verilog, top)}
     return [
         f"-DREAD_WORDS={bits.get('read_words', 0) // 32}",
         f"-DWRITE_WORDS={bits.get('write_words', 0) // 32}",
         f"-DWRITTEN={bits.get('written', 0)}",
         f"-DGROUPS={bits.get('events', 0)}",
+        f"-DPINS_IN={sum(pin.bits for pin in inputs)}",
+        f"-DPINS_OUT={sum(pin.bits for pin in outputs)}",
         f"-DEITHER_EDGE={either_edge_will_do(verilog):d}",
     ]
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Union
@@ -12,8 +12,10 @@ from unitylink.generate import SpecPlan, planned_files
 from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import FOLDER, Plan, plan_designs
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.components import ComponentConfiguration
 from unitylink.spec.model import Spec
 
+PinPlaces = tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]  # for each component: inputs, outputs
 _HERE = Path(__file__).parent
 LATENCY_MS = 16  # how long a new FTDI chip waits for more bytes
 # Physical layers that are simulated -> the model at the other end of their wires. The streams of this model
@@ -28,7 +30,9 @@ class RtlDesign:
 
     Its ports are clock, reset, rx_valid, rx_ready, rx_data, rx_error, tx_valid, tx_ready, tx_data, events
     (one bit for each group), read_words and write_words (32 bits for each address, in the order of the
-    addresses here). The last three may be missing. Further inputs are held low. Further outputs are ignored.
+    addresses here). The last three may be missing. `pins` are the ports of components. `pin_places` has for
+    each component where its inputs and its outputs are among the bits of all. Further inputs are held low.
+    Further outputs are ignored.
     """
 
     top: str
@@ -36,6 +40,8 @@ class RtlDesign:
     read_addresses: tuple[int, ...] = ()
     write_addresses: tuple[int, ...] = ()
     generics: Mapping[str, Union[int, str, bool]] = field(default_factory=dict)
+    pins: tuple[str, ...] = ()
+    pin_places: PinPlaces = ()
 
 
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
@@ -62,7 +68,30 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
         read_addresses=tuple(design.words.read),
         write_addresses=tuple(design.words.write),
         generics={"clock_hz": configuration.clock_hz},
+        pins=tuple(name for part in design.components for _, name in part.pins if name in _pins(design)),
+        pin_places=_pin_places(design, configuration.components),
     )
+
+
+def _pins(design: Plan) -> set[str]:
+    return {port.name for port in design.pins if port.direction in ("in", "out")}
+
+
+def _pin_places(design: Plan, components: Sequence[ComponentConfiguration]) -> PinPlaces:
+    """Return the places of the pins of each component. A design has them in the order of the spec, too."""
+    counted = {"in": 0, "out": 0}
+    places = []
+    for one in components:
+        own: dict[str, tuple[int, ...]] = {"in": (), "out": ()}
+        for _, direction, bits in one.pins:
+            if direction in own:
+                first = counted[direction]
+                counted[direction] += bits or 1
+                own[direction] += tuple(range(first, counted[direction]))
+        places.append((own["in"], own["out"]))
+    placed = [part.entity for part in design.components][: len(components)]
+    assert placed == [one.entity for one in components], "a design has the components in the spec's order"
+    return tuple(places)
 
 
 def _behind(design: Plan, top: str) -> dict[str, str]:
@@ -77,8 +106,9 @@ def _behind(design: Plan, top: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class RtlModel:
-    """A compiled design: the shared library and the places of its words."""
+    """A compiled design: the shared library and the places of its words and pins."""
 
     library: str
     read_addresses: tuple[int, ...]
     write_addresses: tuple[int, ...]
+    pin_places: PinPlaces = ()

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C side of compiled gateware: Verilator makes code from model.v, and this file gives it the function table of
-// rtl_model.h. The build defines READ_WORDS, WRITE_WORDS, WRITTEN, GROUPS and EITHER_EDGE. With EITHER_EDGE each edge
-// of `clock` is a clock of the design, so one evaluation is enough for it.
+// rtl_model.h. The build defines READ_WORDS, WRITE_WORDS, WRITTEN, GROUPS, PINS_IN, PINS_OUT and EITHER_EDGE. With
+// EITHER_EDGE each edge of `clock` is a clock of the design, so one evaluation is enough for it.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -133,10 +133,34 @@ void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t gro
 #endif
 }
 
+void set_pin([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t index, [[maybe_unused]] std::uint32_t high) {
+#if PINS_IN > 0
+  put_bit(model_of(handle).top->pins_in_next, index, high != 0);
+#endif
+}
+
+template <class Port>
+[[maybe_unused]] std::uint32_t part_of(const Port& port, std::uint32_t word) {
+  if constexpr (std::is_integral_v<Port>) {
+    return static_cast<std::uint32_t>(std::uint64_t{port} >> 32 * word);
+  } else {
+    return port.at(word);
+  }
+}
+
+std::uint32_t get_pins([[maybe_unused]] const void* handle, [[maybe_unused]] std::uint32_t word) {
+#if PINS_OUT > 0
+  return part_of(static_cast<const Model*>(handle)->top->pins_out, word);
+#else
+  return 0;
+#endif
+}
+
 const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }
 
-constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS,    create, destroy, clock,
-                                 set_word,          get_word,   was_written, set_event, failure};
+constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS,    create,  destroy, clock,
+                                 set_word,          get_word,   was_written, set_event, failure, PINS_IN, PINS_OUT,
+                                 set_pin,           get_pins};
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from unitylink.errors import ToolError
 from unitylink.gateware import Port, ports_of
@@ -47,19 +48,34 @@ def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
     return ports
 
 
-def model_of(netlist: str, top: str) -> str:
-    """Return `netlist` with a module `model` around `top`.
+def pins_of(netlist: str, top: str, names: Sequence[str]) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
+    """Return the inputs and the outputs of `top` that are pins, in the order of `names`."""
+    found = {port.name: port for port in ports_of(netlist, top)}
+    pins = [found[name] for name in names if name in found]
+    return tuple(pin for pin in pins if pin.is_input), tuple(pin for pin in pins if not pin.is_input)
+
+
+def model_of(netlist: str, top: str, pins: Sequence[str] = ()) -> str:
+    """Return `netlist` with a module `model` around `top`. `pins` are the names of the pins of components.
 
     The inputs of `model` end in `_next`, and registers take them. So no logic depends directly on an input,
     and Verilator computes a clock once instead of three times. If `either_edge_will_do`, each edge of the
-    clock is one of the design's clocks. A failing assertion of the VHDL calls unitylink_failed().
+    clock is one of the design's clocks. A failing assertion of the VHDL calls unitylink_failed(). The pins
+    are side by side in pins_in and pins_out.
     """
     design = with_plain_choices(with_named_assertions(lean(netlist)))
     edge = "posedge clock"
     if either_edge_will_do(netlist):
         edge += " or negedge clock"
         design = design.replace("@(posedge clock)", f"@({edge})")
-    ports = stream_ports_of(netlist, top)
+    inputs, outputs = pins_of(netlist, top, pins)
+    inner = stream_ports_of(netlist, top)
+    wired = {port.name: port.name for port in inner}
+    ports = [port for port in inner if port not in (*inputs, *outputs)]
+    for joined, some in (("pins_in", inputs), ("pins_out", outputs)):
+        if some:
+            ports.append(Port(joined, joined == "pins_in", sum(pin.bits for pin in some)))
+            wired |= _slices(joined, some)
     registers = [port for port in ports if port.is_input and port.name not in _STRAIGHT]
     outer = [
         f"  {'input' if port.is_input else 'output'} {port.range}{port.name}"
@@ -75,11 +91,22 @@ def model_of(netlist: str, top: str) -> str:
             *(f"    {port.name} <= {port.name}_next;" for port in registers),
             "  end",
             f"  {top.lower()} design_(",
-            ",\n".join(f"    .{port.name}({port.name})" for port in ports) + ");",
+            ",\n".join(f"    .{port.name}({wired[port.name]})" for port in inner) + ");",
             "endmodule",
             design,
         ]
     )
+
+
+def _slices(joined: str, pins: Sequence[Port]) -> dict[str, str]:
+    """Return {port: its place in the vector `joined`}."""
+    found, at = {}, 0
+    if len(pins) == 1:
+        return {pins[0].name: joined}
+    for pin in pins:
+        found[pin.name] = f"{joined}[{at + pin.bits - 1}:{at}]"
+        at += pin.bits
+    return found
 
 
 def either_edge_will_do(netlist: str) -> bool:
