@@ -58,10 +58,14 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
   regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});
 }
 
-AddressMap::Region& AddressMap::region(std::uint32_t address) {
-  return *std::find_if(regions_.begin(), regions_.end(), [address](const Region& candidate) {
+AddressMap::Region& AddressMap::region(std::uint32_t address, Clock now) {
+  Region& found = *std::find_if(regions_.begin(), regions_.end(), [address](const Region& candidate) {
     return candidate.range.first <= address && address <= candidate.range.last;
   });
+  if (found.is_component && before_components_) {
+    before_components_(now);
+  }
+  return found;
 }
 
 BusStatus AddressMap::refusal(std::uint32_t address) const noexcept {
@@ -72,7 +76,7 @@ BusReply AddressMap::read(std::uint32_t address, Clock now) {
   if (const BusStatus status = refusal(address); status != BusStatus::ok) {
     return {status, 0};
   }
-  Region& at = region(address);
+  Region& at = region(address, now);
   BusReply reply = at.slave->read(address - at.range.first, now);
   reply.value &= data_mask_;
   return reply;
@@ -82,7 +86,7 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
   if (const BusStatus status = refusal(address); status != BusStatus::ok) {
     return status;
   }
-  Region& at = region(address);
+  Region& at = region(address, now);
   const std::uint32_t word = value & data_mask_;
   BusStatus status = BusStatus::ok;
   if (at.is_component) {
@@ -100,6 +104,9 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
 }
 
 void AddressMap::block(bool held, Clock now) {
+  if (before_components_) {
+    before_components_(now);
+  }
   for (Region& at : regions_) {
     at.slave->block(held, now);
   }
@@ -123,7 +130,7 @@ BusReply AddressMap::get(std::uint32_t address, Clock now) {
   if (address > address_mask_) {
     return {BusStatus::error, 0};
   }
-  Region& at = region(address);
+  Region& at = region(address, now);
   BusReply reply = at.slave->get(address - at.range.first, now);
   reply.value &= data_mask_;
   return reply;
@@ -133,7 +140,7 @@ BusStatus AddressMap::set(std::uint32_t address, std::uint32_t value, Clock now)
   if (address > address_mask_) {
     return BusStatus::error;
   }
-  Region& at = region(address);
+  Region& at = region(address, now);
   return at.slave->set(address - at.range.first, value & data_mask_, now);
 }
 

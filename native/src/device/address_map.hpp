@@ -34,6 +34,8 @@ class AddressMap final : public Bus {
   void advance(Clock now) override;
 
   [[nodiscard]] Tosnet* tosnet() const noexcept { return tosnet_; }
+  // Called before a component is asked, so that its pins are up to date.
+  void before_components(std::function<void(Clock now)> update) { before_components_ = std::move(update); }
   // The models of the components, in the order of the configuration; nullptr where there is none.
   [[nodiscard]] const std::vector<Component*>& components() const noexcept { return components_; }
 
@@ -44,7 +46,7 @@ class AddressMap final : public Bus {
     bool is_component = false;  // it knows itself which words are flags and strobes
   };
 
-  [[nodiscard]] Region& region(std::uint32_t address);
+  [[nodiscard]] Region& region(std::uint32_t address, Clock now);
   [[nodiscard]] BusStatus refusal(std::uint32_t address) const noexcept;
 
   std::vector<AddressRange> errors_;
@@ -56,6 +58,7 @@ class AddressMap final : public Bus {
   std::function<void(std::uint32_t, std::uint32_t)> observer_;
   Tosnet* tosnet_ = nullptr;
   std::vector<Component*> components_;
+  std::function<void(Clock)> before_components_;
   std::uint32_t address_mask_;
   std::uint32_t data_mask_;
 };

@@ -20,7 +20,11 @@ Device::Device(const DeviceConfiguration& configuration)
       subscriptions_(configuration_),
       application_(configuration_, receiver_, subscriptions_, transmitter_,
                    configuration_.published_2012 ? static_cast<Bus&>(master_2012_) : dead_man_),
-      framed_(configuration_, subscriptions_, dead_man_, output_) {}
+      framed_(configuration_, subscriptions_, dead_man_, output_) {
+  if (!configuration_.components.empty()) {
+    bus_.before_components([this](Clock now) { pins_.advance_turns(now); });
+  }
+}
 
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 

@@ -44,18 +44,19 @@ Clock Component::next_edge() const noexcept {
   return std::min(std::max(next(), state_), written);
 }
 
+bool Component::is_heard() const noexcept {
+  return (sink_ &&
+          std::any_of(events_.begin(), events_.end(), [](const Event& one) { return one.group.has_value(); })) ||
+         std::any_of(outputs_.begin(), outputs_.end(), [](const OutputPin& pin) { return pin.is_watched(); });
+}
+
 Clock Component::next_clock() const noexcept {
-  Clock soonest = never;
-  bool heard = false;
-  for (const Event& one : events_) {
-    heard = heard || (sink_ && one.group);
-    soonest = std::min(soonest, one.falls);
-  }
-  for (const OutputPin& pin : outputs_) {
-    heard = heard || pin.is_watched();
-  }
-  if (!heard) {
+  if (!is_heard()) {
     return never;
+  }
+  Clock soonest = never;
+  for (const Event& one : events_) {
+    soonest = std::min(soonest, one.falls);
   }
   const Clock edge = next_edge();
   return edge == never ? soonest : std::min(soonest, edge + 1);

@@ -44,6 +44,8 @@ class Component : public Bus {
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
   void send_events_to(EventSink sink) { sink_ = std::move(sink); }
 
+  // Does anybody wait for its events or watch an output? Then it must be advanced in time.
+  [[nodiscard]] bool is_heard() const noexcept;
   // The next clock at which an event or a watched output may change without an access. Others are computed when
   // somebody looks, so an idle component costs nothing.
   [[nodiscard]] Clock next_clock() const noexcept final;

@@ -14,6 +14,10 @@ ModelPins::ModelPins(const std::vector<ComponentConfiguration>& configurations, 
   }
 }
 
+bool ModelPins::is_prompt(std::uint32_t component) const noexcept {
+  return component < models_.size() && models_[component] != nullptr && models_[component]->is_heard();
+}
+
 bool ModelPins::put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) {
   if (component >= models_.size() || models_[component] == nullptr || pin >= models_[component]->inputs()) {
     return false;
@@ -26,6 +30,7 @@ OutputPin* ModelPins::output(std::uint32_t component, std::uint32_t pin, Clock s
   if (component >= models_.size() || models_[component] == nullptr) {
     return nullptr;
   }
+  advance_turns(state);
   models_[component]->advance(state);
   std::vector<OutputPin>& outputs = models_[component]->outputs();
   return pin < outputs.size() ? &outputs[pin] : nullptr;

@@ -17,6 +17,7 @@ class ModelPins final : public Pins {
   OutputPin* output(std::uint32_t component, std::uint32_t pin, Clock state) override;
 
  private:
+  [[nodiscard]] bool is_prompt(std::uint32_t component) const noexcept override;
   bool put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) override;
 
   std::vector<Component*> models_;

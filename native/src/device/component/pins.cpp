@@ -94,6 +94,7 @@ bool Pins::turn(std::uint32_t component, const EncoderLines& lines, std::int64_t
     shafts_.erase(place);
     return false;
   }
+  shaft.prompt = is_prompt(component);
   shaft.from = shaft.counts;
   shaft.to = counts;
   shaft.begun = now;
@@ -104,7 +105,7 @@ bool Pins::turn(std::uint32_t component, const EncoderLines& lines, std::int64_t
 Clock Pins::next_turn() const noexcept {
   Clock soonest = never;
   for (const auto& [place, shaft] : shafts_) {
-    soonest = std::min(soonest, shaft.next());
+    soonest = shaft.prompt ? std::min(soonest, shaft.next()) : soonest;
   }
   return soonest;
 }

@@ -39,11 +39,14 @@ class Pins {
 
   // Turns an encoder to so many counts, evenly until `until`. The lines change at their own clocks meanwhile.
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
-  // When the next line of an encoder changes.
+  // When the next line of an encoder changes that somebody waits for. The others change when the component is asked.
   [[nodiscard]] Clock next_turn() const noexcept;
+  // All lines show what they show at `now`. Call it before a component is asked.
   void advance_turns(Clock now);
 
  protected:
+  // Must the component see each change at its time, and not only before it is asked?
+  [[nodiscard]] virtual bool is_prompt(std::uint32_t /*component*/) const noexcept { return true; }
   virtual bool put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) = 0;
   // Finds the pins of a component that go both ways.
   void join(std::uint32_t component, const ComponentConfiguration& configuration);
@@ -65,6 +68,7 @@ class Pins {
     std::int64_t to = 0;
     Clock begun = 0;
     Clock until = 0;
+    bool prompt = true;
 
     [[nodiscard]] Clock next() const noexcept;
     [[nodiscard]] std::int64_t at(Clock now) const noexcept;
