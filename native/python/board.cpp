@@ -288,7 +288,16 @@ void bind_device(nb::module_& module) {
       .def(nb::new_([](nb::handle configuration, nb::handle model) {
              return make_rtl_device(model, configuration_of(configuration)).release();
            }),
-           nb::arg("configuration"), nb::arg("model"));
+           nb::arg("configuration"), nb::arg("model"))
+      .def("reset", &RtlDevice::reset)
+      .def(
+          "set_events",
+          [](RtlDevice& self, std::uint32_t mask) {
+            for (std::uint32_t group = 0; group < 32; ++group) {
+              self.set_event(group, (mask >> group & 1u) != 0);
+            }
+          },
+          nb::arg("mask"), "Sets the event inputs of the first 32 groups.");
 }
 
 }  // namespace

@@ -8,6 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from unitylink_lab.conformance.chip import ChipPlayer
 from unitylink_lab.conformance.replay import Report, difference, replay
 
 FILE = Path(__file__).parents[1] / "conformance" / "classic-transcripts.json"
@@ -19,6 +22,15 @@ def wrong(report: Report, status: str) -> str:
         for e in report.exchanges
         if e.status == status and not e.passed
     )
+
+
+@pytest.mark.long
+def test_recordings_on_bitstreams() -> None:
+    """Each of the 22 cores is placed on an iCE40 HX8K and unpacked again, which takes a minute."""
+    report = replay(FILE, ChipPlayer(protocol="classic"))
+    failures = wrong(report, "required") + wrong(report, "defect") + wrong(report, "optional")
+    assert not failures, failures
+    assert (report.passed, report.count("defect", True), report.count("optional", True)) == (366, 57, 16)
 
 
 def test_recordings(rtl: Any) -> None:

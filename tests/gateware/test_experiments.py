@@ -22,8 +22,15 @@ from unitylink_lab.experiments.exchange import (
     read_many,
     write,
 )
-from unitylink_lab.experiments.gateware import CLASSIC, FRAMED, GATEWARES, LONGEST_READ, FramedGateware
-from unitylink_lab.experiments.level_one import figures
+from unitylink_lab.experiments.gateware import (
+    BITSTREAMS,
+    CLASSIC,
+    FRAMED,
+    GATEWARES,
+    LONGEST_READ,
+    FramedGateware,
+)
+from unitylink_lab.experiments.level_one import all_figures, figures
 from unitylink_lab.experiments.link_parameters import FT245_ASYNC, LINKS
 from unitylink_lab.experiments.low_level import read_burst, synchronous_s, write_burst
 from unitylink_lab.experiments.publish_delay import publish_delay
@@ -52,6 +59,15 @@ def test_classic_clocks_are_those_of_the_core(exchange: Exchange, through: str, 
     told = figures(CLASSIC, exchange)
     assert told.latency_clocks == page_row("core.md", through) + SPLITTER_CLOCKS
     assert told.period_clocks == page_row("core.md", period)
+
+
+@pytest.mark.long
+def test_the_clocks_of_a_bitstream_are_those_of_the_vhdl() -> None:
+    rows = {(row.gateware, row.name): row for row in all_figures(bitstreams=True)}
+    unpacked = {key: row for key, row in rows.items() if key[0] in BITSTREAMS}
+    assert len(unpacked) == 16
+    for (gateware, name), row in unpacked.items():
+        assert row == replace(rows[gateware.removesuffix(", bitstream"), name], gateware=gateware)
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from reference.settings import Settings
 
 from unitylink import protocol as p
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink_lab.conformance.chip import ChipPlayer
 
 BAD = 0x38  # four addresses answer with an error, and the next four do not answer
 TICK = 500  # clocks
@@ -95,6 +96,13 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     answers = play(rtl, settings, steps, **generics)
     for number, (step, told) in enumerate(zip(steps, answers, strict=True)):
         assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("seed", "window", "generics"), [(0, 8, {}), (3, 8, {"protocol": "framed"})])
+def test_a_scenario_on_a_chip(seed: int, window: int, generics: dict[str, Any]) -> None:
+    """The core is unpacked from a bitstream."""
+    test_a_scenario(ChipPlayer(), seed, window, generics)
 
 
 def test_an_id_that_was_another_requests(rtl: Any) -> None:

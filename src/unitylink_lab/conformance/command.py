@@ -11,8 +11,9 @@ from unitylink.commands.output import json_option, print_json
 @click.command()
 @click.argument("file")
 @click.option("--rtl", is_flag=True, help="Ask the VHDL in GHDL instead of the twin.")
+@click.option("--bit", is_flag=True, help="Ask bitstreams for an iCE40 HX8K, unpacked and compiled.")
 @json_option("the report, with every exchange")
-def command(file: str, rtl: bool, as_json: bool) -> int:
+def command(file: str, rtl: bool, bit: bool, as_json: bool) -> int:
     """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
 
     Required exchanges must be equal byte for byte, as far as the `compare` rule of each one asks. Where the
@@ -20,15 +21,28 @@ def command(file: str, rtl: bool, as_json: bool) -> int:
     Optional ones are only reported. The last line is the result, `N passed, 0 failed`. The exit code is 1 if
     an exchange failed or a defect was answered wrongly.
 
+    With --bit, each of the 22 cores of the recordings is placed at its first use. That takes a minute each.
+
     \b
     Examples:
       unitylink conformance tests/conformance/classic-transcripts.json
       unitylink conformance tests/conformance/classic-transcripts.json --rtl
+      unitylink conformance tests/conformance/classic-transcripts.json --bit
       unitylink conformance recordings.json --json > report.json
     """
+    from unitylink.simulate.rtl.build import on_terminal
+
     from .replay import as_dict, render, replay
 
-    if rtl:
+    if rtl and bit:
+        raise click.UsageError("--rtl and --bit are two players: give one of them")
+    if bit:
+        from .chip import ChipPlayer
+
+        say = on_terminal()
+        report = replay(file, ChipPlayer(say=say, protocol="classic"))
+        say("")
+    elif rtl:
         from .rtl import rtl_player
 
         with rtl_player() as player:

@@ -68,7 +68,7 @@ class RtlPlayer:
             **{
                 "steps_file": str(steps_file),
                 "answers_file": str(answers_file),
-                **_generics(configuration),
+                **generics_of(configuration),
                 **generics,
             },
         )
@@ -99,7 +99,7 @@ _CLASSIC = ["address_bits", "data_bits", "base_hz", "groups", "group_size", "rat
 _CLASSIC += ["publish_mode", "configuration_command", "datalink", "checksum", "polynomial"]
 
 
-def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
+def generics_of(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
     """Return the generics of the bench. A replay of text does not use the settings of frames."""
     return {
         **{name: getattr(configuration, name) for name in _CLASSIC},

@@ -29,12 +29,16 @@ from unitylink.commands.failure import Failure
 @click.option(
     "--only", metavar="PART", multiple=True, help="Only this part of the report. May be given several times."
 )
-def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...]) -> int:
+@click.option(
+    "--bit", is_flag=True, help="Add our gateware as unpacked from a bitstream to the part gateware."
+)
+def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...], bit: bool) -> int:
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
     It writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own.
     So a busy machine changes only the measured cost of this host's software. The clocks of our gateware are
-    those of its VHDL. They are compiled the first time, which needs GHDL and Verilator.
+    those of its VHDL. They are compiled the first time, which needs GHDL and Verilator. With --bit,
+    bitstreams for an iCE40 HX8K are made, unpacked and run as well. That takes some minutes.
 
     \b
     Parts: gateware, table-one, links, publishing, peers, scaling, ros, simplicity.
@@ -44,13 +48,20 @@ def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...]) -
       unitylink experiments --out build/experiments
       unitylink experiments --quick
       unitylink experiments --only peers
+      unitylink experiments --only gateware --bit
     """
     from unitylink_lab.experiments import PARTS, run_all, write
 
     if unknown := [name for name in only if name not in PARTS]:
         raise Failure(f"--only {unknown[0]}: there is no such part", f"there are: {', '.join(PARTS)}")
     soak_s = soak if soak is not None else 3.0 if quick else 60.0
-    results = run_all(quick=quick, soak_s=soak_s, say=lambda text: click.echo(text, err=True), only=only)
+    results = run_all(
+        quick=quick,
+        soak_s=soak_s,
+        say=lambda text: click.echo(text, err=True),
+        only=only,
+        bitstreams=bit,
+    )
     try:
         write(out, results)
     except OSError as error:

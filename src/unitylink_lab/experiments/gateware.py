@@ -143,8 +143,11 @@ class OurGateware(Gateware):
     With `publishing`, idle clocks are not skipped. Raises ToolError if a tool is missing.
     """
 
+    protocol = "both"
+    on_chip = False
+
     def __init__(self, *, fifo: int = 256, watch: int | None = None, publishing: bool = False) -> None:
-        configuration, model = _compiled(fifo)
+        configuration, model = _compiled(fifo, self.protocol, self.on_chip)
         self._publishing = publishing
         self._rtl = _native.RtlDevice(configuration, model)
         self._rtl.run_until(_START_UP_CLOCKS)
@@ -204,8 +207,26 @@ class FramedGateware(OurGateware):
         return bytes(told)
 
 
+class ClassicOnChip(OurGateware):
+    """Our gateware with text alone, unpacked from its bitstream for an iCE40 HX8K.
+
+    With both protocols it takes more block RAMs than that has.
+    """
+
+    protocol = "classic"
+    on_chip = True
+
+
+class FramedOnChip(FramedGateware):
+    """The same with frames alone."""
+
+    protocol = "framed"
+    on_chip = True
+
+
 @cache
-def _compiled(fifo: int) -> tuple[BoardConfiguration, Any]:
+def _compiled(fifo: int, protocol: str, on_chip: bool) -> tuple[BoardConfiguration, Any]:
+    from unitylink.simulate.bit.bare import build_on_chip
     from unitylink.simulate.rtl import build_model, design_of
     from unitylink.spec import compile_text
 
@@ -215,12 +236,14 @@ def _compiled(fifo: int) -> tuple[BoardConfiguration, Any]:
         spec,
         clock_hz=CLOCK_HZ,
         base_hz=BASE_HZ,
-        protocol="both",
+        protocol=protocol,
+        engine="fast",
         fifo=fifo,
         fifo_latency=FIFO_LATENCY,
         read_many=LONGEST_READ,
     )
-    return configuration, build_model(design_of(spec, configuration))
+    build = build_on_chip if on_chip else build_model
+    return configuration, build(design_of(spec, configuration))
 
 
 CLASSIC, FRAMED = "ours, classic", "ours, framed"
@@ -228,4 +251,8 @@ GATEWARES: dict[str, type[Gateware2012] | type[OurGateware]] = {
     "2012": Gateware2012,
     CLASSIC: OurGateware,
     FRAMED: FramedGateware,
+}
+BITSTREAMS: dict[str, type[OurGateware]] = {
+    f"{CLASSIC}, bitstream": ClassicOnChip,
+    f"{FRAMED}, bitstream": FramedOnChip,
 }

@@ -17,7 +17,7 @@ from .exchange import (
     read_many,
     write,
 )
-from .gateware import CLOCK_HZ, GATEWARES, Gateware
+from .gateware import BITSTREAMS, CLOCK_HZ, FRAMED, GATEWARES, Gateware
 
 _RUN_CLOCKS = 60_000
 _REPEATS = 16
@@ -62,19 +62,23 @@ def figures(gateware: str, exchange: Exchange) -> GatewareFigures:
     )
 
 
-def all_figures() -> list[GatewareFigures]:
-    """Return the figures of each request of each gateware."""
+def all_figures(*, bitstreams: bool = False) -> list[GatewareFigures]:
+    """Return the figures of each request of each gateware. With `bitstreams`, also those of BITSTREAMS."""
     classic = [read(), read(checked=True), write(), write(checked=True)]
     classic += [read_many(words, checked=checked) for words in (1, 4, 32) for checked in (False, True)]
     framed = [framed_read(), framed_write(), framed_post()]
     framed += [framed_read_many(words) for words in (1, 4, 32)]
-    exchanges = {"2012": classic, "ours, classic": classic, "ours, framed": framed}
-    return [figures(gateware, exchange) for gateware in GATEWARES for exchange in exchanges[gateware]]
+    chosen = [*GATEWARES, *(BITSTREAMS if bitstreams else ())]
+    return [
+        figures(gateware, exchange)
+        for gateware in chosen
+        for exchange in (framed if gateware.startswith(FRAMED) else classic)
+    ]
 
 
 def _fed(name: str, data: bytes) -> Gateware:
     """Give all of `data` at once to a fresh gateware. Return the gateware when it has done everything."""
-    gateware = GATEWARES[name](fifo=0, watch=WRITE_ADDRESS)
+    gateware = {**GATEWARES, **BITSTREAMS}[name](fifo=0, watch=WRITE_ADDRESS)
     for byte in data:
         gateware.receive(byte)
     gateware.run_until(_RUN_CLOCKS)

@@ -43,11 +43,15 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Wanted:
-    """How long a run may take. `quick` repeats measurements less often. Memory is watched for `soak_s`."""
+    """How long a run may take. `quick` repeats measurements less often. Memory is watched for `soak_s`.
+
+    `bitstreams` adds the rows of our gateware unpacked from its bitstream.
+    """
 
     quick: bool
     soak_s: float
     say: Callable[[str], None]
+    bitstreams: bool = False
 
     @property
     def run(self) -> Run:
@@ -55,17 +59,23 @@ class Wanted:
 
 
 def run_all(
-    *, quick: bool, soak_s: float, say: Callable[[str], None], only: Sequence[str] = ()
+    *,
+    quick: bool,
+    soak_s: float,
+    say: Callable[[str], None],
+    only: Sequence[str] = (),
+    bitstreams: bool = False,
 ) -> dict[str, Any]:
     """Run all PARTS, or only those in `only`. `quick` repeats the measured ones less often.
 
     The modelled part is the same in both. Memory is watched for `soak_s`.
+    `bitstreams` adds rows to the part gateware.
 
     >>> run_all(quick=True, soak_s=1.0, say=print, only=["simplicity"])["simplicity"]["paper"]["VHDL, copied"]
     what a user writes
     32
     """
-    wanted = Wanted(quick, soak_s, say)
+    wanted = Wanted(quick, soak_s, say, bitstreams)
     results: dict[str, Any] = {
         "format": FORMAT,
         "quick": quick,
@@ -89,8 +99,8 @@ class Part:
     measure: Callable[[Wanted], dict[str, Any]]
 
 
-def _gateware(_: Wanted) -> dict[str, Any]:
-    return {"gateware": [asdict(figures) for figures in level_one.all_figures()]}
+def _gateware(wanted: Wanted) -> dict[str, Any]:
+    return {"gateware": [asdict(figures) for figures in level_one.all_figures(bitstreams=wanted.bitstreams)]}
 
 
 def _table_one(wanted: Wanted) -> dict[str, Any]:

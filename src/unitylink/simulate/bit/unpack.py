@@ -52,12 +52,13 @@ class Chip:
     outputs: tuple[str, ...]
 
 
-def unpack(bitstream: bytes, *, device: str, package: str, clock_site: str, clock_hz: int) -> Chip:
+def unpack(bitstream: bytes, *, device: str, package: str | None, clock_site: str, clock_hz: int) -> Chip:
     """Return the logic that `bitstream` puts into an iCE40 (`device`, `package` as nextpnr names them).
 
-    `clock_hz` is the frequency at the pin `clock_site`. If the bitstream has a PLL, its dividers say what
-    becomes of it. Raises ToolError if a program is missing, or if the bitstream has a part that is not
-    modelled. Raises BoardError if the file is not a bitstream of this chip.
+    Without a package the sites are places on the chip: "33_16_0". `clock_hz` is the frequency at the pin
+    `clock_site`. If the bitstream has a PLL, its dividers say what becomes of it. Raises ToolError if a
+    program is missing, or if the bitstream has a part that is not modelled. Raises BoardError if the file is
+    not a bitstream of this chip.
     """
     if device not in _DEVICES:
         raise BoardError(f"IceStorm cannot unpack a bitstream of {device}; it can for {', '.join(_DEVICES)}")
@@ -69,7 +70,7 @@ def unpack(bitstream: bytes, *, device: str, package: str, clock_site: str, cloc
     return Chip(verilog, made_hz, inputs, outputs)
 
 
-def _icebox(bitstream: bytes, device: str, package: str) -> str:
+def _icebox(bitstream: bytes, device: str, package: str | None) -> str:
     """Return the Verilog that IceStorm makes of a bitstream. It takes some seconds, so it is kept."""
     unpacker, printer = (find_program([name], _REMEDY) for name in ("iceunpack", "icebox_vlog"))
     parts = [
@@ -86,7 +87,7 @@ def _icebox(bitstream: bytes, device: str, package: str) -> str:
     return cached(key, unpack_into, kind="bit", suffix=".v").read_text(encoding="utf-8")
 
 
-def _printed(bitstream: bytes, device: str, package: str, unpacker: str, printer: str) -> str:
+def _printed(bitstream: bytes, device: str, package: str | None, unpacker: str, printer: str) -> str:
     with tempfile.TemporaryDirectory(prefix="unitylink-bit-") as work:
         folder = Path(work)
         (folder / "chip.bin").write_bytes(bitstream)
@@ -97,10 +98,11 @@ def _printed(bitstream: bytes, device: str, package: str, unpacker: str, printer
         found = re.search(r"^\.device (\w+)$", asc.read_text(encoding="utf-8"), re.MULTILINE)
         if found is None or found[1] != device:
             raise BoardError(f"it is a bitstream of an iCE40 {found[1] if found else '?'}, not of a {device}")
-        ended = run_tool([printer, "-s", "-l", "-d", package, "chip.asc"], folder)
+        sites = [] if package is None else ["-l", "-d", package]
+        ended = run_tool([printer, "-s", *sites, "chip.asc"], folder)
         if ended.code != 0:
             raise ToolError(f"icebox_vlog ended with {ended.code}: {_last(ended.err)}")
-        return ended.out
+        return re.sub(r"\bio_(\d+_\d+_\d)\b", r"pin_\1", ended.out)
 
 
 def _last(said: str) -> str:
@@ -181,8 +183,8 @@ def _with_plain_pins(text: str, clock_site: str) -> tuple[str, tuple[str, ...], 
     floating = {site: (drive, value) for site, drive, value in _FLOATING.findall(text)}
     rest = _FLOATING.sub("", text[head.end() :])
     for way, site in _PORT.findall(head[1]):
-        if site == clock_site and f"pin_{site}" not in rest:
-            continue
+        if site == clock_site and not re.search(rf"\bpin_{site}\b", _WIRES.sub("", rest)):
+            continue  # only the PLL takes it
         pin = f"pin_{site}"
         if way == "input" and site not in floating:
             ports.append(f"input {pin}_in")

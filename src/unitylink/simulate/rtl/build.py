@@ -67,17 +67,23 @@ def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel
     return RtlModel(str(library), design.read_addresses, design.write_addresses, design.pin_places)
 
 
-def build_of_netlist(verilog: str, top: str, say: Progress) -> str:
+def build_of_netlist(verilog: str, top: str, say: Progress, pins: Sequence[str] = ()) -> str:
     """Return the shared library of the netlist `verilog` of `top`, from the cache if it is there.
+
+    `pins` are names of ports of it.
 
     Raises ToolError if Verilator or the C++ compiler is missing, or refuses it.
     """
     tools = _Tools("verilator")
-    parts = [tools.versions, repr((_VERILATOR, _COMPILE, _LINK, top)), verilog]
+    parts = [tools.versions, repr((_VERILATOR, _COMPILE, _LINK, top, pins)), verilog]
     parts += [path.read_text(encoding="utf-8") for path in (_interface(), *_MAKERS)]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+
+    def build(library: Path) -> None:
+        compile_netlist(verilog, top, library, tools=tools, say=say, pins=pins)
+
     try:
-        return str(cached(key, lambda file: compile_netlist(verilog, top, file, tools=tools, say=say), say))
+        return str(cached(key, build, say))
     finally:
         say("")
 
@@ -126,12 +132,17 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
 
 def _build(design: RtlDesign, tools: _Tools, folder: Path, library: Path, say: Progress) -> None:
     say(f"compiling the gateware of {design.top}, this once: ghdl")
+    verilog = netlist_of(design, folder)
+    compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins)
+
+
+def netlist_of(design: RtlDesign, folder: Path, *, assertions: bool = True) -> str:
+    """Return GHDL's netlist of `design`, whose files are written into `folder`. Raises ToolError."""
     sources = []
     for name, text in design.files.items():
         sources.append(folder / name)
         sources[-1].write_text(text, encoding="utf-8")
-    verilog = netlist(design.top, sources=sources, generics=design.generics)
-    compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins)
+    return netlist(design.top, sources=sources, generics=design.generics, assertions=assertions)
 
 
 def compile_netlist(
