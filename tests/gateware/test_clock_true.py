@@ -70,6 +70,47 @@ def test_model_is_clock_true(ghdl: Any, tmp_path: Path, name: str, number: int) 
     compare(type(ghdl), tmp_path, one, random_stimuli(one, case, 20_000, seed=number), 20_000)
 
 
+# Faults of the VHDL: (component, case, text, what replaces it). Each must make a difference to the model.
+FAULTS = [
+    ("gpio", 0, "before  <= levels;", "before  <= levels and not before;"),
+    ("gpio", 0, "pin_out <= pin_out and not write_words(4)", "pin_out <= not write_words(4)"),
+    ("gpio", 2, "snapshot => true", "snapshot => false"),
+    ("pwm", 0, "count < widths(channel)", "count <= widths(channel)"),
+    ("pwm", 0, "if written(0) = '1' or enable = '0' then", "if enable = '0' then"),
+    ("pwm", 0, "if unsigned(word) > longest then", "if unsigned(word) > longest + 1 then"),
+    ("pwm", 0, "tick   <= phase(bits) or not servo;", "tick   <= phase(bits);"),
+    ("pwm", 1, "return to_unsigned(servo_maximum_us,", "return to_unsigned(servo_maximum_us + 1,"),
+    ("quadrature_encoder", 0, "index_position <= next_position;", "index_position <= position;"),
+    ("quadrature_encoder", 0, "next_position := unsigned(write_words(0));", "next_position := position;"),
+    (
+        "quadrature_encoder",
+        1,
+        "if (levels(0) xor before(1)) = '1' then",
+        "if (levels(0) xor levels(1)) = '1' then",
+    ),
+    ("quadrature_encoder", 2, "stable_clocks => stable_clocks", "stable_clocks => stable_clocks - 1"),
+]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_noticed(ghdl: Any, tmp_path: Path, fault: tuple[str, int, str, str]) -> None:
+    name, number, old, new = fault
+    case = CASES[name][number]
+    one = configuration(name, case)
+    stimuli = random_stimuli(one, case, 20_000, seed=number)
+
+    def with_fault(folder: Path, sources: Any) -> Any:
+        (right,) = [path for path in sources if path.stem == name]
+        text = right.read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        wrong = folder / right.name
+        wrong.write_text(text.replace(old, new), encoding="utf-8")
+        return type(ghdl)(folder, [*(path for path in sources if path != right), wrong])
+
+    with pytest.raises(AssertionError, match="the VHDL gives"):
+        compare(with_fault, tmp_path, one, stimuli, 20_000)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("name", CASES)

@@ -52,9 +52,9 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
       write_index_(indices(words.write)),
       given_(words.read.size()),
       write_addresses_(words.write),
-      outside_(model_, state_.get(), words.pins, configuration_.components),
       input_(configuration_),
-      output_(configuration_) {
+      output_(configuration_),
+      outside_(model_, state_.get(), std::move(words.pins), configuration_.components) {
   if (!state_) {
     throw RtlError(library + ": no memory for the compiled gateware");
   }
