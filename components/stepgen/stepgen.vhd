@@ -83,8 +83,6 @@ architecture rtl of stepgen is
 
   signal memory     : memory_t;
   signal parameters : word_t;
-  signal sweep      : address_t := (others => '0');
-  signal sweeping   : std_ulogic := '1';           -- the words are being cleared
 
   -- The bus.
   signal asked, known, may_write, is_motion, bus_reads, bus_looks, bus_writes : std_ulogic;
@@ -94,12 +92,12 @@ architecture rtl of stepgen is
   signal put_word     : std_ulogic;
   signal bus_data     : word_t;
   signal status       : std_ulogic_vector(7 downto 0);
-  signal shown        : std_ulogic_vector(7 downto 0) := (others => '0');
   type answer_t is (of_parameters, of_motion, of_status);
   signal answer       : answer_t := of_parameters;
 
   -- The ramp and the motion.
   signal clearing, base, bank        : std_ulogic;
+  signal sweep                       : address_t; -- the word that is being cleared
   signal axis                        : natural range 0 to axes - 1;
   signal reads, writes, store        : std_ulogic;
   signal store_shift, put            : std_ulogic;
@@ -124,7 +122,7 @@ architecture rtl of stepgen is
   signal enabled                      : axes_t;
   signal halted, stops_at_limit       : axes_t := (others => '0');
   signal was_late, shifting           : axes_t := (others => '0');
-  signal source, source_before        : axes_t := (others => '0');
+  signal source_before                : axes_t := (others => '0');
   signal armed, catch, caught, latched : axes_t := (others => '0');
   signal sources                      : sources_t := (others => "00");
 
@@ -159,7 +157,7 @@ begin
   ramp : entity work.stepgen_ramp
     generic map (axes => axes, clock_hz => clock_hz)
     port map (
-      clock => clock, reset => reset, clearing => sweeping, base => base, bank => bank,
+      clock => clock, reset => reset, clearing => clearing, base => base, bank => bank,
       axis => axis, reads => reads, read_word => read_word, read_data => parameters,
       writes => writes, write_word => write_word, result => result, store => store, store_shift => store_shift,
       stored => put,
@@ -171,7 +169,7 @@ begin
       axes => axes, clock_hz => clock_hz, step_len_ns => step_len_ns, step_space_ns => step_space_ns,
       dir_setup_ns => dir_setup_ns, dir_hold_ns => dir_hold_ns)
     port map (
-      clock => clock, reset => reset, clearing => clearing,
+      clock => clock, reset => reset, clearing => clearing, sweep => sweep,
       velocity_write => velocity_write, shift_write => store_shift, velocity_bank => velocity_bank,
       velocity_axis => velocity_axis, velocity_data => result, put => put, bank => bank, base => base,
       look => look, look_axis => look_axis, look_word => look_word, looked => looked, look_data => look_data,
@@ -181,15 +179,16 @@ begin
       step => step, direction => direction);
 
   -- While the words are cleared, the result of the ramp is zero.
-  velocity_write <= store or sweeping;
-  velocity_axis  <= to_integer(sweep(number_bits - 1 downto 0)) when sweeping = '1' else axis;
-  velocity_bank  <= sweep(number_bits) when sweeping = '1' else not bank;
+  velocity_write <= store or clearing;
+  velocity_axis  <= to_integer(sweep(number_bits - 1 downto 0)) when clearing = '1' else axis;
+  velocity_bank  <= sweep(number_bits) when clearing = '1' else not bank;
 
   -- The bus. The ramp comes first.
   bus_word  <= to_integer(unsigned(wishbone_m2s.adr(3 downto 0)));
   bus_axis  <= to_integer(unsigned(wishbone_m2s.adr(number_bits + 3 downto 4)));
-  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not sweeping;
-  known     <= '1' when unsigned(wishbone_m2s.adr(31 downto 4)) < axes and bus_word <= word_shift else '0';
+  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not clearing;
+  known     <= '1' when unsigned(wishbone_m2s.adr(31 downto address_t'length)) = 0 and bus_axis < axes and
+                        bus_word <= word_shift else '0';
   is_motion <= '1' when bus_word = word_position or bus_word = word_latched or bus_word = word_stamp else '0';
 
   allow : process (all) is
@@ -244,7 +243,7 @@ begin
     status_high => flag(high, bus_axis), status_low => flag(low, bus_axis),
     status_at_target => flag(near and not moving, bus_axis), status_moving => flag(moving, bus_axis));
 
-  put_word <= writes or bus_writes or sweeping;
+  put_word <= writes or bus_writes or clearing;
 
   store_words : process (clock) is
     variable to_address, from_address : address_t;
@@ -260,7 +259,7 @@ begin
       end if;
       to_address := address(axis, write_word);
       data       := result;
-      if sweeping = '1' then
+      if clearing = '1' then
         to_address := sweep;
       elsif writes = '0' then
         to_address := address(bus_axis, bus_word);
@@ -282,22 +281,15 @@ begin
       ack    <= bus_reads or bus_writes or (bus_looks and looked);
       err    <= asked and (not known or (wishbone_m2s.we and not may_write));
       answer <= of_parameters;
-      shown  <= status;
       if is_motion = '1' then
         answer <= of_motion;
       elsif bus_word = word_status then
         answer <= of_status;
       end if;
 
-      sweep <= sweep + 1;
-      if sweep = 2 ** sweep'length - 1 then
-        sweeping <= '0';
-      end if;
       if reset = '1' then
-        ack      <= '0';
-        err      <= '0';
-        sweep    <= (others => '0');
-        sweeping <= '1';
+        ack <= '0';
+        err <= '0';
       end if;
     end if;
   end process;
@@ -313,12 +305,13 @@ begin
       when of_motion =>
         wishbone_s2m.dat <= look_data;
       when of_status =>
-        wishbone_s2m.dat(shown'range) <= shown;
+        wishbone_s2m.dat(status'range) <= status;
     end case;
   end process;
 
   watch : process (clock) is
     variable rewritten : boolean;
+    variable source    : std_ulogic;
   begin
     if rising_edge(clock) then
       moved   <= moving;
@@ -328,13 +321,13 @@ begin
         rewritten := bus_writes = '1' and bus_word = word_control and bus_axis = number;
 
         case sources(number) is
-          when "01" => source(number) <= low(number);
-          when "10" => source(number) <= high(number);
-          when "11" => source(number) <= at_home(number);
-          when others => source(number) <= '0';
+          when "01" => source := low(number);
+          when "10" => source := high(number);
+          when "11" => source := at_home(number);
+          when others => source := '0';
         end case;
-        source_before(number) <= source(number);
-        if armed(number) = '1' and source(number) = '1' and source_before(number) = '0' then
+        source_before(number) <= source;
+        if armed(number) = '1' and source = '1' and source_before(number) = '0' then
           armed(number) <= '0';
           catch(number) <= '1';
         end if;
@@ -361,7 +354,6 @@ begin
         if rewritten then
           stops_at_limit(number) <= wishbone_m2s.dat(control_stop_at_limit);
           sources(number)        <= wishbone_m2s.dat(control_source);
-          source(number)         <= '1';
           source_before(number)  <= '1';
           armed(number)          <= '1';
           catch(number)          <= '0';

@@ -26,12 +26,13 @@
 --           step_down: a step was taken. late: a step waits because the pulse before has not ended.
 -- Latency   A step is on its pin 3 clocks after its slot, and in the position at most 5 clocks after that.
 --           A look waits less than two base periods. A latch comes within axes + 1 base periods.
--- Reset     Clears all words. `clearing` is high meanwhile. Nothing is served then.
+-- Reset     Clears all words. `clearing` is high meanwhile, and `sweep` counts the words of stepgen. Nothing is served.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.stepgen_pkg.all;
+  use work.width_pkg.all;
 
 entity stepgen_motion is
   generic (
@@ -46,6 +47,7 @@ entity stepgen_motion is
     clock    : in  std_ulogic;
     reset    : in  std_ulogic;
     clearing : out std_ulogic := '1';
+    sweep    : out unsigned(axis_bits(axes) + 3 downto 0) := (others => '0');
 
     velocity_write : in std_ulogic;
     shift_write    : in std_ulogic;
@@ -122,7 +124,7 @@ architecture rtl of stepgen_motion is
   constant term_shift : natural := first_constant + 2 ** number_bits + 2;
 
   -- Clocks from the end of the reset to slot 1 of the second base period.
-  constant begin_clocks : positive := 2 ** address_t'length + short_clocks + 1;
+  constant begin_clocks : positive := 2 ** sweep'length + short_clocks + 1;
 
   function constants return terms_t is
     variable result : terms_t := (others => (others => '0'));
@@ -141,15 +143,15 @@ architecture rtl of stepgen_motion is
   type work_t is (idle, other, phase, position, latch_position, latch_stamp, shift_position);
   subtype axis_t is natural range 0 to axes - 1;
 
-  signal owed    : integer range -loss to gain - 1 := 0;
+  signal owed    : signed(bits_for(loss + 1) downto 0) := (others => '0');
+  signal paid    : std_ulogic;                                -- a base period ends
   signal slot    : natural range 0 to short_clocks := 0;
-  signal sweep   : address_t := (others => '0');
   signal first   : std_ulogic := '1';                          -- the clock has not been written yet
   signal was_long : std_ulogic := '0';                         -- the base period before was one clock longer
   signal served  : axis_t := 0;                                -- the axis whose latch this base period may serve
   signal moved   : std_ulogic_vector(axes - 1 downto 0) := (others => '0'); -- stepped, but not yet in the position
 
-  -- A term is never read and written at once: what such a read gives depends on the chip.
+  -- A word is never read and written at once, nor is a term: what such a read gives depends on the chip.
   -- The three stages of an operation: its addresses, its sum, its result.
   signal work_now, work_then, work_last : work_t := idle;
   signal axis_now, axis_then, axis_last : axis_t := 0;
@@ -163,6 +165,7 @@ architecture rtl of stepgen_motion is
   signal down, beyond     : std_ulogic;                       -- of a phase
   signal asks, takes, lates : std_ulogic_vector(axes - 1 downto 0);
   signal store, put_term  : std_ulogic;
+  signal clash            : std_ulogic;                       -- the word that is read is being written
 
   function place (number : natural; part : motion_word_t) return address_t is
   begin
@@ -172,7 +175,8 @@ architecture rtl of stepgen_motion is
 begin
 
   look_data <= word;
-  base      <= '1' when owed >= 0 and clearing = '0' else '0';
+  paid      <= not owed(owed'high);
+  base      <= paid and not clearing;
 
   choose : process (all) is
   begin
@@ -181,7 +185,7 @@ begin
     from_now <= place(look_axis, look_word);
     to_now   <= place(look_axis, look_word);
     term_now <= to_unsigned(term_none, term_now'length);
-    looked   <= look and not clearing;
+    looked   <= look and not clearing and not clash;
 
     if slot = 0 then
       work_now <= other;
@@ -272,6 +276,9 @@ begin
         step => step(number), direction => direction(number));
   end generate;
 
+  -- The slots never read a word that is just written, so only a look waits for that.
+  clash <= '1' when (store = '1' or clearing = '1') and from_now = to_last else '0';
+
   put_term <= '1' when (velocity_write = '1' or shift_write = '1') and (work_now = idle or clearing = '1') else '0';
   put      <= put_term;
   to_term  <= '0' & velocity_bank & to_unsigned(velocity_axis, number_bits) when velocity_write = '1' else
@@ -280,7 +287,9 @@ begin
   memories : process (clock) is
   begin
     if rising_edge(clock) then
-      word <= memory(to_integer(from_now));
+      if clash = '0' then
+        word <= memory(to_integer(from_now));
+      end if;
       if store = '1' or clearing = '1' then
         memory(to_integer(to_last)) <= std_ulogic_vector(sum);
       end if;
@@ -321,8 +330,8 @@ begin
         first <= '0';
       end if;
 
-      if owed >= 0 then
-        owed     <= owed + gain - loss;
+      if paid = '1' then
+        owed     <= owed + (gain - loss);
         slot     <= 0;
         was_long <= '0';
         if slot = short_clocks then
@@ -340,12 +349,12 @@ begin
 
       if clearing = '1' then
         sum       <= (others => '0');
-        to_last   <= sweep;
+        to_last   <= sweep(address_t'range);
         sweep     <= sweep + 1;
         work_then <= idle;
         work_last <= idle;
         moved     <= (others => '0');
-        owed      <= gain - loss;
+        owed      <= to_signed(gain - loss, owed'length);
         slot      <= 0;
         first     <= '1';
         was_long  <= '0';

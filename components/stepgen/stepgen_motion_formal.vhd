@@ -36,7 +36,7 @@ architecture properties of stepgen_motion_formal is
 
   constant base_clocks : positive := 8;
   constant clock_hz    : positive := base_clocks * 2 ** 20;
-  constant young_most  : positive := 3; -- clocks from a rise of STEP to the position
+  constant young_most  : positive := 2; -- clocks from a rise of STEP to the position
 
   subtype count_t is unsigned(2 downto 0); -- positions are compared in their lowest bits
 
@@ -66,7 +66,7 @@ begin
       axes => 2, clock_hz => clock_hz, step_len_ns => 100, step_space_ns => 100, dir_setup_ns => 100,
       dir_hold_ns => 100)
     port map (
-      clock => clk, reset => reset, clearing => clearing,
+      clock => clk, reset => reset, clearing => clearing, sweep => open,
       velocity_write => velocity_write, shift_write => shift_write, velocity_bank => velocity_bank,
       velocity_axis => velocity_axis, velocity_data => velocity_data, put => put, bank => bank, base => base,
       look => look, look_axis => look_axis, look_word => look_word, looked => looked, look_data => look_data,

@@ -90,10 +90,12 @@ architecture rtl of stepgen_ramp is
   signal way       : unsigned(way_bits - 1 downto 0) := (others => '0');   -- to go, shifted out
   signal speed     : unsigned(speed_bits - 1 downto 0) := (others => '0'); -- of the candidate, shifted out
   signal place     : natural range 0 to places - 1 := 0;                   -- of the bits that are compared
-  signal fraction  : unsigned(fraction_bits - 1 downto 0) := (others => '0'); -- of the position
+  signal speeds    : std_ulogic := '0';             -- the place is one of a speed
   signal goes      : std_ulogic := '0';             -- enabled
   signal to_target : std_ulogic := '0';             -- position mode
   signal brakes    : std_ulogic := '0';             -- the candidate was too fast
+  signal borrow    : std_ulogic := '0';             -- the position is in the upper half of its step
+  signal arrived   : std_ulogic := '0';             -- the position is that of the target
   signal moves     : std_ulogic := '0';             -- the candidate is not zero
   signal turning   : std_ulogic_vector(axes - 1 downto 0) := (others => '0'); -- the velocity in use is not zero
   signal goal_down : std_ulogic := '0';             -- the signs of the goal, the way and the change of velocity
@@ -103,15 +105,16 @@ architecture rtl of stepgen_ramp is
   -- What an instruction does: sum := (0, sum or 2 * sum) + (operand or -operand).
   type kept_t is (kept_none, kept_sum, kept_double);
   signal instructs   : std_ulogic;                  -- the state is an instruction: it has two clocks
-  signal kept        : kept_t;
-  signal minus       : std_ulogic;                  -- the operand is inverted
-  signal carry       : std_ulogic;
-  signal from_motion : std_ulogic;                  -- the operand is a word of stepgen_motion
+  -- The first clock decides on it, for the second one.
+  signal kept, kept_then          : kept_t := kept_none;
+  signal minus, minus_then        : std_ulogic := '0'; -- the operand is inverted
+  signal carry, carry_then        : std_ulogic := '0';
+  signal from_motion, from_then   : std_ulogic := '0'; -- the operand is a word of stepgen_motion
   signal current, following : word_index_t;         -- the velocity in use, the next one
   signal tick        : std_ulogic;                  -- a ramp period ends
-  signal borrow      : std_ulogic;
   signal certain     : std_ulogic;                  -- the sign of the comparison will not change
-  signal is_zero, is_near : std_ulogic;
+  signal turns       : std_ulogic;                  -- the sum is a velocity, not a way
+  signal is_zero     : std_ulogic;                  -- of a way in steps: within the step of the target
 
 begin
 
@@ -140,10 +143,9 @@ begin
   reads       <= instructs and not executes and not from_motion;
 
   -- The way ends in the middle of a step. So it borrows in the upper half of a step.
-  borrow  <= fraction(fraction'high);
+  turns   <= '1' when state = write_next else '0';
   certain <= '1' when sum(31 downto 29) /= "000" and sum(31 downto 29) /= "111" else '0';
-  is_zero <= '1' when sum = 0 else '0';
-  is_near <= '1' when sum = (31 downto 0 => borrow) else '0';
+  is_zero <= '1' when sum = (31 downto 0 => borrow and not turns) else '0';
 
   -- In the first clock of an instruction, and in a state of one clock, `sum` is the result of the instruction before.
   instruct : process (all) is
@@ -178,8 +180,8 @@ begin
       when load_size =>
         after_it <= compare_speed;
         read_word <= word_velocity_target;
-        minus     <= goal_down;
-        carry     <= goal_down;
+        minus     <= sum(31);
+        carry     <= sum(31);
       when compare_speed =>
         after_it <= load_goal;
         read_word <= word_speed;
@@ -195,6 +197,10 @@ begin
             read_word <= word_speed;
             minus     <= goal_down;
             carry     <= goal_down;
+            if to_target = '1' then
+              minus <= sum(31);
+              carry <= sum(31);
+            end if;
           end if;
         end if;
       when load_change =>
@@ -207,8 +213,8 @@ begin
         after_it <= load_velocity;
         read_word <= word_acceleration;
         kept      <= kept_sum;
-        minus     <= not slower;
-        carry     <= not slower;
+        minus     <= not sum(31);
+        carry     <= not sum(31);
       when load_velocity =>
         after_it  <= change_velocity;
         read_word <= current;
@@ -244,7 +250,7 @@ begin
         if place = 0 then
           after_it <= judge;
         end if;
-        if speed(speed'high) = '1' and place < speed_bits then
+        if speed(speed'high) = '1' and speeds = '1' then
           read_word <= word_reserve;
         end if;
         kept  <= kept_sum;
@@ -264,33 +270,40 @@ begin
   begin
     if rising_edge(clock) then
       operand := signed(read_data);
-      if from_motion = '1' then
+      if from_then = '1' then
         operand := signed(look_data);
       end if;
-      if minus = '1' then
+      if minus_then = '1' then
         operand := not operand;
       end if;
-      case kept is
+      case kept_then is
         when kept_none => before := (others => '0');
         when kept_sum => before := sum;
         when kept_double => before := sum(30 downto 0) & '0';
       end case;
       if state = load_goal and brakes = '0' then
-        way <= unsigned(sum) & (borrow & not fraction(fraction'high - 1 downto 0));
+        way(way'high downto fraction_bits) <= unsigned(sum);
+      elsif state = load_phase then
+        way(fraction_bits - 1 downto 0) <=
+          look_data(phase_bits - 1) & not unsigned(look_data(phase_bits - 2 downto phase_bits - fraction_bits));
       elsif state = take_speed and executes = '1' then
         way <= way(way'high - 1 downto 0) & way_down;
       end if;
       if state = add_reserve and executes = '0' then
         speed <= unsigned(sum(speed_bits - 1 downto 0));
-      elsif state = take_speed and executes = '1' and place < speed_bits then
+      elsif state = take_speed and executes = '1' and speeds = '1' then
         speed <= speed(speed'high - 1 downto 0) & '0';
       end if;
 
       if executes = '1' then
-        total := (before & '1') + (operand & carry); -- one adder for both
+        total := (before & '1') + (operand & carry_then); -- one adder for both
         sum   <= total(32 downto 1);
       end if;
-      executes <= instructs and not executes and (looked or not from_motion);
+      kept_then  <= kept;
+      minus_then <= minus;
+      carry_then <= carry;
+      from_then  <= from_motion;
+      executes   <= instructs and not executes and (looked or not from_motion);
 
       -- What the first clock of an instruction keeps of the result before.
       if executes = '0' then
@@ -299,11 +312,10 @@ begin
             goal_down <= sum(31);
           when load_goal =>
             if to_target = '1' and brakes = '0' then
-              goal_down <= sum(31);
-              way_down  <= sum(31);
+              way_down <= sum(31);
             end if;
             if brakes = '0' then
-              near(number) <= is_near and to_target;
+              arrived <= is_zero and to_target;
             end if;
           when reach =>
             slower <= sum(31);
@@ -324,8 +336,9 @@ begin
             state <= load_speed;
           end if;
         when write_reserve =>
-          place <= places - 1;
-          state <= add_way;
+          place  <= places - 1;
+          speeds <= '0';
+          state  <= add_way;
         when judge =>
           state <= finish;
           if sum(31) = '1' then
@@ -333,6 +346,7 @@ begin
             state  <= load_goal;
           end if;
         when finish =>
+          near(number)    <= arrived;
           turning(number) <= moves;
           moving(number)  <= moves or turning(number);
           state           <= load_shift;
@@ -354,10 +368,13 @@ begin
             to_target <= not read_data(control_velocity_mode);
             brakes    <= '0';
           when load_phase =>
-            fraction <= unsigned(look_data(phase_bits - 1 downto phase_bits - fraction_bits));
+            borrow <= look_data(phase_bits - 1);
           when take_speed =>
             if place > 0 then
               place <= place - 1;
+            end if;
+            if place = speed_bits then
+              speeds <= '1';
             end if;
           when others =>
             null;

@@ -47,7 +47,7 @@ begin
         else
           counts(pin) <= counts(pin) + 1;
         end if;
-        if reset = '1' then
+        if reset = '1' or stable_clocks = 1 then
           levels(pin) <= settled(pin);
           counts(pin) <= 0;
         end if;

@@ -46,7 +46,7 @@ COMPONENT_BLOCKS = (
         "stepgen_motion",
         "`components/stepgen`, the steps and the positions of two axes, at eight clocks a base period",
         depth=20,
-        reach=70,
+        reach=110,
         pdr=True,
         loose=("dut.beyond", "dut.down"),
         seen={"asks": "dut.ask", "takes": "dut.taken", "stores": "dut.store"},

@@ -150,5 +150,12 @@ ROWS = (
     ),
     Row("spi_slave", "the same: SPI slave, buffers of 64 bytes", top="spi_slave"),
     Row("rs485", "the same: RS-485 node, buffers of 64 and 256 bytes", top="rs485"),
-    Row("stepgen", "a component: step and direction with ramps, four axes", top="stepgen"),
+    Row(
+        "stepgen",
+        "a component: step and direction with ramps, four axes",
+        top="stepgen",
+        cells_most=1000,
+        mhz_least=50.0,
+        memories_most=6,
+    ),
 )
