@@ -56,7 +56,7 @@ def on_chip(verilog: str, top: str, say: Progress) -> str:
 
     def build(file: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="unitylink-bit-") as work:
-            file.write_text(json.dumps(_placed(verilog, top, Path(work), say)), encoding="utf-8")
+            file.write_text(json.dumps(place(verilog, top, Path(work), say)), encoding="utf-8")
 
     kept = json.loads(cached(key, build, say, kind="bit", suffix=".json").read_text(encoding="utf-8"))
     sites: dict[str, str] = kept["sites"]
@@ -68,10 +68,10 @@ def on_chip(verilog: str, top: str, say: Progress) -> str:
         clock_site=sites["clock"],
         clock_hz=_CLOCK_HZ,
     )
-    return _as_before(chip, verilog, top, sites)
+    return with_ports(chip, verilog, top, sites)
 
 
-def _placed(verilog: str, top: str, folder: Path, say: Progress) -> dict[str, object]:
+def place(verilog: str, top: str, folder: Path, say: Progress) -> dict[str, object]:
     """Return the bitstream, and the site of each bit of a port."""
     family = FAMILIES["ice40"]
     placer, packer = (
@@ -106,7 +106,7 @@ def _placed(verilog: str, top: str, folder: Path, say: Progress) -> dict[str, ob
     return {"bitstream": (folder / "design.bin").read_bytes().hex(), "sites": sites}
 
 
-def _as_before(chip: Chip, verilog: str, top: str, sites: dict[str, str]) -> str:
+def with_ports(chip: Chip, verilog: str, top: str, sites: dict[str, str]) -> str:
     """Return `chip` with the ports that the design had."""
     heads, links = [], []
     for port in ports_of(verilog, top):

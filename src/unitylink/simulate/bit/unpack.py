@@ -66,7 +66,7 @@ def unpack(bitstream: bytes, *, device: str, package: str | None, clock_site: st
     text, clock, made_hz = _without_pll(text, clock_site, clock_hz)
     text = _one_clock(_with_rams(text), clock)
     verilog, inputs, outputs = _with_plain_pins(text, clock_site)
-    _check_driven(verilog)
+    check_driven(verilog)
     return Chip(verilog, made_hz, inputs, outputs)
 
 
@@ -211,7 +211,7 @@ def _without_clock(wires: re.Match[str]) -> str:
     return f"wire {', '.join(names)};" if names else ""
 
 
-def _check_driven(verilog: str) -> None:
+def check_driven(verilog: str) -> None:
     """Raise ToolError if a net is used that nothing drives: the output of a block that is not modelled."""
     driven = {name for names in _DRIVEN.findall(verilog) for name in names if name}
     for wires in re.findall(r"\.(?:RDATA\(\{(.*?)\}\)|lock\((\w+)\))", verilog):
