@@ -188,8 +188,8 @@ def markdown_value(value: object, section: str) -> str:
     return str(value)
 
 
-def of_constants(text: Callable[[Table], str], without: str = "") -> Callable[[Table], str]:
-    left_out = ("settings", without)
+def of_constants(text: Callable[[Table], str], *without: str) -> Callable[[Table], str]:
+    left_out = ("settings", *without)
     return lambda table: text({name: values for name, values in table.items() if name not in left_out})
 
 
@@ -200,8 +200,9 @@ def of_settings(text: Callable[[settings.Settings], str]) -> Callable[[Table], s
 ARTEFACTS = {
     "src/unitylink/protocol.py": of_constants(python_text),
     "native/include/unitylink/protocol.hpp": of_constants(cpp_text),
-    # The program of the small engine tells its sizes to the VHDL.
-    "gateware/common/protocol_pkg.vhd": of_constants(vhdl_text, without="small_engine"),
+    # The program of the small engine tells its sizes to the VHDL. The latencies of the framed engine are
+    # measured at its VHDL.
+    "gateware/common/protocol_pkg.vhd": of_constants(vhdl_text, "small_engine", "framed_latency"),
     "docs/protocol-constants.md": of_constants(markdown_text),
     "src/unitylink/settings.py": of_settings(settings.python_text),
     "native/include/unitylink/settings.hpp": of_settings(settings.cpp_text),

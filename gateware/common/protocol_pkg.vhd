@@ -109,22 +109,6 @@ package protocol_pkg is
   constant latency_publish_words_before_c : natural := 7;
   constant latency_turns_most_c : natural := 3;
 
-  -- framed_latency
-  constant framed_latency_tick_c : natural := 19;
-  constant framed_latency_list_c : natural := 50;
-  constant framed_latency_list_check_c : natural := 12;
-  constant framed_latency_list_read_c : natural := 29;
-  constant framed_latency_list_change_c : natural := 41;
-  constant framed_latency_define_group_c : natural := 74;
-  constant framed_latency_define_group_address_c : natural := 4;
-  constant framed_latency_define_exchange_c : natural := 62;
-  constant framed_latency_define_exchange_word_c : natural := 14;
-  constant framed_latency_other_c : natural := 252;
-  constant framed_latency_publish_c : natural := 19;
-  constant framed_latency_publish_word_c : natural := 4;
-  constant framed_latency_payload_max_c : natural := 250;
-  constant framed_latency_frame_bytes_c : natural := 6;
-
   -- tosnet
   constant tosnet_address_bits_c : natural := 11;
   constant tosnet_memory_words_c : natural := 1024;
