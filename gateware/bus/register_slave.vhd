@@ -122,7 +122,8 @@ begin
       was_read <= (was_read'range => '0');
 
       index := 0;
-      known := unsigned(wishbone_m2s.adr) < words;
+      known := unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto index_bits)) = 0 and
+               unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)) < words;
       if known then
         index := to_integer(unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)));
         known := is_hole(index) = '0';

@@ -203,12 +203,13 @@ class Case:
     """Arguments of a component in a spec, and how it is tried.
 
     `values` has, for some addresses, the values that make the component do something. `pause` is the longest
-    time in clocks between two blocks of accesses.
+    time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins.
     """
 
     arguments: str = ""
     values: Mapping[int, Sequence[int]] = field(default_factory=dict)
     pause: int = 40
+    quiet: int = 120
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -217,7 +218,7 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
     Pins change in bursts, some as fast as the clock.
     """
     draw = random.Random(seed)
-    found = [*_accesses(draw, one, case, end), *_pins(draw, one, end)]
+    found = [*_accesses(draw, one, case, end), *_pins(draw, one, case, end)]
     order = {"p": 0, "c": 1, "r": 2, "w": 2}
     # a block is closed before anything else of its clock begins
     return sorted(found, key=lambda s: (s[0], order[s[1]] - (s[1] == "c" and s[3] == 0) * 2, s[2]))
@@ -243,7 +244,7 @@ def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end:
         now += 1 + (draw.randrange(3) if draw.random() < 0.3 else draw.randrange(1, case.pause))
 
 
-def _pins(draw: random.Random, one: ComponentConfiguration, end: int) -> Iterator[Stimulus]:
+def _pins(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:
     count = sum(bits or 1 for _, direction, bits in one.pins if direction == "in")
     levels = [0] * count
     now = RESET_CLOCKS
@@ -253,4 +254,4 @@ def _pins(draw: random.Random, one: ComponentConfiguration, end: int) -> Iterato
                 levels[pin] ^= 1
                 yield now, "p", pin, levels[pin]
             now += draw.choice((1, 2, 3, 4, 7))
-        now += draw.randrange(1, 120)
+        now += draw.randrange(1, case.quiet)

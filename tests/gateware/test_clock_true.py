@@ -15,6 +15,9 @@ from unitylink.interface.components import ComponentConfiguration, components_of
 from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
 
+THREE_PHASE = {0: (0, 1, 1, 7, 7, 3, 5), 2: (0, 500, 2000, 4095)} | dict.fromkeys(
+    (3, 4, 5), (0, 0x1F, 0x20, 0x21, 5, 0xFF, 0x100, 0x80, 0x1C0)
+)
 CASES = {
     "gpio": (
         Case("pins=8"),
@@ -32,6 +35,10 @@ CASES = {
             {0: (0, 3, 3, 3, 1), 1: (0, 20, 30)} | dict.fromkeys((2, 3), (0, 1, 5, 9, 400)),
             pause=2000,
         ),
+    ),
+    "three_phase_pwm": (
+        Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", THREE_PHASE, pause=300, quiet=3000),
+        Case("frequency_hz=3000, duty_bits=9, dead_minimum_ns=0, fault_level=0", THREE_PHASE, pause=90, quiet=9000),
     ),
     "quadrature_encoder": (
         Case(values={3: (0,)}),

@@ -27,6 +27,8 @@ class Tick {
   [[nodiscard]] Clock state_of(std::uint64_t number) const noexcept {
     return static_cast<Clock>(((Wide{number} << bits_) + increment_ - 1) / increment_);
   }
+  [[nodiscard]] std::uint32_t bits() const noexcept { return bits_; }  // of the accumulator, without its carry
+  [[nodiscard]] std::uint64_t increment() const noexcept { return increment_; }
 
  private:
   __extension__ using Wide = unsigned __int128;
