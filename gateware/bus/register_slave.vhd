@@ -123,7 +123,7 @@ begin
 
       index := 0;
       known := unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto index_bits)) = 0 and
-               unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)) < words;
+               unsigned('0' & wishbone_m2s.adr(index_bits - 1 downto 0)) < words; -- a bit that 2**index_bits needs
       if known then
         index := to_integer(unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)));
         known := is_hole(index) = '0';

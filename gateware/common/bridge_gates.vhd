@@ -78,7 +78,7 @@ architecture rtl of bridge_gates is
   signal now_ns           : time_t;
   signal not_ends         : times_t; -- the inverse of the end of each leg's dead time: to add it costs no inverters
   signal side             : legs_t;  -- that conducts or will
-  signal high_on, low_on  : legs_t;
+  signal high_on, low_on  : legs_t := (others => '0'); -- off from power-up on
 
 begin
 

@@ -38,7 +38,12 @@ CASES = {
     ),
     "three_phase_pwm": (
         Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", THREE_PHASE, pause=300, quiet=3000),
-        Case("frequency_hz=3000, duty_bits=9, dead_minimum_ns=0, fault_level=0", THREE_PHASE, pause=90, quiet=9000),
+        Case(
+            "frequency_hz=3000, duty_bits=9, dead_minimum_ns=0, fault_level=0",
+            THREE_PHASE,
+            pause=90,
+            quiet=9000,
+        ),
     ),
     "quadrature_encoder": (
         Case(values={3: (0,)}),

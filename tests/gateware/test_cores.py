@@ -26,6 +26,16 @@ def test_pwm(ghdl: Any, clock_hz: int) -> None:
     ghdl.run("pwm_tb", clock_hz=clock_hz)
 
 
+@pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])
+def test_bridge_gates(ghdl: Any, clock_hz: int, fault_level: int) -> None:
+    ghdl.run("bridge_gates_tb", clock_hz=clock_hz, fault_level=fault_level)
+
+
+@pytest.mark.parametrize(("clock_hz", "fault_level"), [(10_000_000, 1), (7_300_000, 0)])
+def test_three_phase_pwm(ghdl: Any, clock_hz: int, fault_level: int) -> None:
+    ghdl.run("three_phase_pwm_tb", clock_hz=clock_hz, fault_level=fault_level)
+
+
 @pytest.mark.parametrize(("data_width", "stable_clocks"), [(32, 1), (32, 2), (16, 5)])
 def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int) -> None:
     ghdl.run("quadrature_encoder_tb", data_width=data_width, stable_clocks=stable_clocks)
@@ -56,7 +66,11 @@ def test_a_depth_the_word_cannot_count_stops_elaboration(ghdl: Any) -> None:
 
 
 NETLISTS = {"gpio": {"stable_clocks": 1}, "quadrature_encoder": {}}  # generics that differ from the bench's
-OTHERS = [name for name in (*component_names(), "fifo_slave", "input_filter") if name not in NETLISTS]
+OTHERS = [
+    name
+    for name in (*component_names(), "fifo_slave", "input_filter", "bridge_gates")
+    if name not in NETLISTS
+]
 
 
 @pytest.mark.parametrize(("entity", "generics"), NETLISTS.items())

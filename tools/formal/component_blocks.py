@@ -60,4 +60,21 @@ COMPONENT_BLOCKS = (
             Mutant("stepgen_motion.vhd", "moved(axis_now) <= '0';", "moved(axis_now) <= down;"),
         ),
     ),
+    Block(
+        "three_phase_pwm",
+        "`components/three_phase_pwm`, 16 clocks a period, a dead time of at least 3 clocks",
+        depth=10,
+        pdr=True,
+        reach=40,
+        seen={"enable": "dut.enable"},
+        not_proven="the lengths of pulses, and longer dead times: the bench measures them",
+        mutants=(
+            Mutant("bridge_gates.vhd", "high <= high_on and not seen;", "high <= high_on;"),
+            Mutant("bridge_gates.vhd", "if dead_sum(dead_sum'high) = '0' then", "if false then"),
+            Mutant("bridge_gates.vhd", "seen = '1' or driven(leg)", "driven(leg)"),
+            Mutant("bridge_gates.vhd", "not (now_ns + unsigned(dead_used));", "not now_ns;"),
+            Mutant("bridge_gates.vhd", "elsif enabled_before = '0' then", "else"),
+            Mutant("bridge_gates.vhd", " and over(over'high) = '0' then", " then"),
+        ),
+    ),
 )

@@ -158,4 +158,11 @@ ROWS = (
         mhz_least=50.0,
         memories_most=6,
     ),
+    Row(
+        "three_phase_pwm",
+        "a component: three phases with dead time and fault input, at 20 kHz",
+        top="three_phase_pwm",
+        cells_most=410,
+        mhz_least=50.0,
+    ),
 )
