@@ -5,7 +5,7 @@
 
 #include "device/component/bridge_gates.hpp"
 #include "device/component/component.hpp"
-#include "device/component/tick.hpp"
+#include "device/component/period.hpp"
 
 namespace unitylink::device {
 
@@ -17,9 +17,7 @@ class ThreePhasePwm final : public Component {
       : Component(from, "101111", false),
         duty_bits_(static_cast<std::uint32_t>(from.generic("duty_bits", 13))),
         data_mask_(from.data_mask()),
-        rate_(static_cast<std::uint64_t>(from.generic("clock_hz", 50'000'000)),
-              static_cast<std::uint64_t>(from.generic("frequency_hz", 20'000))),
-        turn_(std::uint64_t{1} << rate_.bits()),
+        period_(from),
         gates_(from, phases) {
     word(dead, gates_.dead_used(), 0);
     for (const std::uint32_t number : {0u, 1u, 2u}) {
@@ -32,37 +30,23 @@ class ThreePhasePwm final : public Component {
   enum Event : std::uint32_t { sample, tripped };
   static constexpr std::uint32_t phases = 3;
 
-  // The phase of the period: its low bits, and whether it has just begun.
-  struct Phase {
-    std::uint64_t low = 0;
-    bool tick = false;
-  };
-
   // The phases at which a high side is wanted: from `from` on, and before `turn - from`.
   [[nodiscard]] bool wanted(std::uint32_t number, std::uint64_t low) const noexcept {
-    return low >= from_[number] && low < turn_ - from_[number];
+    return low >= from_[number] && low < period_.turn() - from_[number];
   }
 
   void load(std::uint32_t number) noexcept {
     const std::uint32_t level = ((write_word(duty + number) ^ 1u << (duty_bits_ - 1)) & ((1u << duty_bits_) - 1u)) >> 1;
     const std::uint64_t below = ((std::uint64_t{1} << (duty_bits_ - 1)) - level) / 2;  // counts of the counter
-    from_[number] = below << (rate_.bits() + 1 - duty_bits_);
-  }
-
-  [[nodiscard]] Phase at(Clock state) const noexcept {
-    if (state == phase_state_ || !gates_.running()) {
-      return phase_;
-    }
-    const std::uint64_t low = (phase_.low + (state - phase_state_) * rate_.increment()) & (turn_ - 1);
-    return {low, low < rate_.increment()};
+    from_[number] = below << (period_.bits() + 1 - duty_bits_);
   }
 
   [[nodiscard]] Clock next() const noexcept override { return std::min(next_, gates_.next()); }
 
   void step(Clock edge) override {
-    const Phase now = at(edge);
     const bool was_running = gates_.running();
-    const bool second = now.low >= turn_ / 2;
+    const Period::Phase now = period_.at(edge, was_running);
+    const bool second = now.low >= period_.turn() / 2;
     const std::uint32_t asked = write_word(control);
     if (was_running && (((asked & 2u) != 0 && now.tick) || ((asked & 4u) != 0 && second && !half_))) {
       event(sample, edge);
@@ -76,15 +60,10 @@ class ThreePhasePwm final : public Component {
         load(number);
       }
     }
-    phase_ = {};
-    if (was_running) {
-      phase_.low = (now.low + rate_.increment()) & (turn_ - 1);
-      phase_.tick = phase_.low < rate_.increment();
-    }
-    phase_state_ = edge + 1;
+    const Period::Phase then = period_.step(edge, now, was_running);
     gates_.step(edge, (asked & 1u) != 0, write_word(dead), (1u << phases) - 1u, sides);
     tell(edge);
-    plan(edge, sides != sides_);
+    plan(edge, then, sides != sides_);
   }
 
   void tell(Clock edge) {
@@ -100,20 +79,21 @@ class ThreePhasePwm final : public Component {
   }
 
   // The next edge after `edge` that changes more than the phase.
-  void plan(Clock edge, bool changes) noexcept {
-    std::uint64_t soonest = turn_;
-    changes = changes || phase_.tick || half_ != (phase_.low >= turn_ / 2);
+  void plan(Clock edge, Period::Phase then, bool changes) noexcept {
+    const std::uint64_t turn = period_.turn();
+    std::uint64_t soonest = turn;
+    changes = changes || then.tick || half_ != (then.low >= turn / 2);
     for (std::uint32_t number = 0; number < phases; ++number) {
-      changes = changes || wanted(number, phase_.low) != ((sides_ >> number & 1u) != 0);
-      for (const std::uint64_t change : {from_[number], turn_ - from_[number], turn_ / 2}) {
-        soonest = change > phase_.low ? std::min(soonest, change) : soonest;
+      changes = changes || wanted(number, then.low) != ((sides_ >> number & 1u) != 0);
+      for (const std::uint64_t change : {from_[number], turn - from_[number], turn / 2}) {
+        soonest = change > then.low ? std::min(soonest, change) : soonest;
       }
     }
     next_ = never;
     if (changes) {
       next_ = edge + 1;
     } else if (gates_.running()) {
-      next_ = edge + 1 + (soonest - phase_.low + rate_.increment() - 1) / rate_.increment();
+      next_ = edge + 1 + period_.until(then, soonest);
     }
   }
 
@@ -132,11 +112,8 @@ class ThreePhasePwm final : public Component {
 
   std::uint32_t duty_bits_;
   std::uint32_t data_mask_;
-  Tick rate_;
-  std::uint64_t turn_;  // the phases of a period
+  Period period_;
   BridgeGates gates_;
-  Phase phase_;
-  Clock phase_state_ = 0;  // the state that has phase_
   std::array<std::uint64_t, phases> from_{};
   std::uint32_t sides_ = 0;
   bool half_ = false;
