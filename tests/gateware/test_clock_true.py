@@ -15,6 +15,11 @@ from unitylink.interface.components import ComponentConfiguration, components_of
 from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
 
+H_BRIDGE = {
+    0: (0, 1, 1, 3, 3),
+    2: (0, 500, 2000, 4095),
+    3: (0, 0x1F, 0x20, 0x21, 5, 0xFF, 0x100, 0x80, 0x1C0, 0x101, 0x1FF),
+}
 THREE_PHASE = {0: (0, 1, 1, 7, 7, 3, 5), 2: (0, 500, 2000, 4095)} | dict.fromkeys(
     (3, 4, 5), (0, 0x1F, 0x20, 0x21, 5, 0xFF, 0x100, 0x80, 0x1C0)
 )
@@ -44,6 +49,11 @@ CASES = {
             pause=90,
             quiet=9000,
         ),
+    ),
+    "h_bridge": (
+        Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", H_BRIDGE, pause=300, quiet=3000),
+        Case("frequency_hz=9000, duty_bits=9, form=1", H_BRIDGE, pause=90, quiet=9000),
+        Case("frequency_hz=9000, duty_bits=9, form=2, fault_level=0", H_BRIDGE, pause=900, quiet=9000),
     ),
     "quadrature_encoder": (
         Case(values={3: (0,)}),

@@ -36,6 +36,11 @@ def test_three_phase_pwm(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("three_phase_pwm_tb", clock_hz=clock_hz, fault_level=fault_level)
 
 
+@pytest.mark.parametrize("coast", [0, 1])
+def test_h_bridge(ghdl: Any, coast: int) -> None:
+    ghdl.run("h_bridge_tb", coast=coast)
+
+
 @pytest.mark.parametrize(("data_width", "stable_clocks"), [(32, 1), (32, 2), (16, 5)])
 def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int) -> None:
     ghdl.run("quadrature_encoder_tb", data_width=data_width, stable_clocks=stable_clocks)
