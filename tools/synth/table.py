@@ -165,4 +165,11 @@ ROWS = (
         cells_most=410,
         mhz_least=50.0,
     ),
+    Row(
+        "h_bridge",
+        "a component: a DC motor behind four gates, at 20 kHz",
+        top="h_bridge",
+        cells_most=300,
+        mhz_least=50.0,
+    ),
 )
