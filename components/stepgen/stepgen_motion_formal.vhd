@@ -121,9 +121,11 @@ begin
   -- The watched axis is any, and stays the same.
   one_is_watched : assume always reset = '0' or reset = '1' -> next (watched = prev(watched));
 
-  -- A shift stands until it is done, and its amount stays the same. So does the ramp.
+  -- A shift stands until it is done, and its amount stays the same.
   shift_stands : assume always shift = '1' and shifted = '0' and reset = '0' and clearing = '0' ->
                  next (shift = '1' and shift_axis = prev(shift_axis));
+
+  -- The amount of a shift is not written while the shift stands.
   amount_stands : assume always shift = '1' -> shift_write = '0';
 
   -- A position that is read is the number of rises of STEP with their sign, and of shifts. Only the last rise may be

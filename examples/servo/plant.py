@@ -8,8 +8,9 @@ from __future__ import annotations
 from unitylink.simulate import Registers
 from unitylink.spec import Spec
 
-CENTRE_S = 0.0015
-COUNTS_A_S = 2_000_000  # counts of the wheel for each second of pulse away from the centre
+CENTRE_US = 1500
+STEP_US = 1  # the servo follows no smaller change of its pulse. The board's pulses are exact to 0.05 %
+COUNTS_A_US = 2  # counts of the wheel for each microsecond of pulse away from the centre
 SPEED = 4000.0  # counts a second
 LIMIT = 1600  # counts
 
@@ -35,7 +36,8 @@ class Plant:
         words, at = self.registers, self.address
         pulse_s = self.servo.pulse_s("pins", 0)
         if pulse_s is not None:  # one comes every 20 ms, and none when the servo is limp
-            self.goal = (pulse_s - CENTRE_S) * COUNTS_A_S
+            pulse_us = STEP_US * round(pulse_s * 1e6 / STEP_US)
+            self.goal = (pulse_us - CENTRE_US) * COUNTS_A_US
         most = SPEED * self.period_s
         self.position += min(max(self.goal - self.position, -most), most)
         self.wheel.turn(round(self.position), self.period_s)

@@ -27,7 +27,6 @@ COMPONENT_BLOCKS = (
         "`components/stepgen`, the pins STEP and DIR of an axis",
         depth=24,
         pdr=True,
-        quick=True,
         not_proven="other times: the proof is of 3, 2, 4 and 2 clocks",
         mutants=(
             Mutant("stepgen_pulse.vhd", "setup_clocks - 1;", "setup_clocks - 2;"),
