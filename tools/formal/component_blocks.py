@@ -23,6 +23,28 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "h_bridge",
+        "`components/h_bridge`, four gates, 16 clocks a period, a dead time of at least 3 clocks",
+        depth=10,
+        pdr=True,
+        reach=40,
+        seen={"enable": "dut.gates.enable"},
+        not_proven="the lengths of pulses, longer dead times, and forms 1 and 2: the bench measures them",
+        mutants=(
+            Mutant("bridge_gates.vhd", "high <= high_on and not seen;", "high <= high_on;"),
+            Mutant("bridge_gates.vhd", "seen = '1' or driven(leg)", "driven(leg)"),
+            Mutant("bridge_gates.vhd", "elsif enabled_before = '0' then", "else"),
+            Mutant(
+                "h_bridge.vhd", "low(1) & high(1) & low(0) & high(0);", "low(0) & high(1) & low(1) & high(0);"
+            ),
+            Mutant(
+                "h_bridge.vhd",
+                "(on_now and back) & (on_now and not back);",
+                "on_now & (on_now and not back);",
+            ),
+        ),
+    ),
+    Block(
         "stepgen_pulse",
         "`components/stepgen`, the pins STEP and DIR of an axis",
         depth=24,
