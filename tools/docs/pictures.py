@@ -12,8 +12,9 @@ import argparse
 import sys
 import tempfile
 import time
-from html import escape
 from pathlib import Path
+
+from picture import BOLD, CHECK, DEVICE, FAINT, GRID, INK, MONO, PC, PUBLISH, SMALL, Picture
 
 from unitylink import connect
 from unitylink.capture import CaptureMessage, MessageReader, messages, read_packets
@@ -22,54 +23,6 @@ from unitylink.simulate import Board, BoardConfiguration
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 CAPTURE = IMAGES / "publish.pcapng"
 BAUD_HZ = 115_200  # so slow that a message can be seen as a bar
-INK, FAINT, BACK = "#1f2430", "#6b7280", "#ffffff"
-PC, DEVICE, PUBLISH, CHECK = "#00897b", "#3f51b5", "#d9822b", "#8e44ad"
-
-
-class Picture:
-    """An SVG picture to which shapes are added. Lengths are in pixels."""
-
-    def __init__(self, width: int, height: int, title: str) -> None:
-        self.parts = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
-            f'height="{height}" font-family="system-ui, sans-serif" font-size="13" fill="{INK}">',
-            f"<title>{escape(title)}</title>",
-            f'<rect width="{width}" height="{height}" fill="{BACK}"/>',
-        ]
-
-    def box(
-        self, x: float, y: float, width: float, height: float, colour: str, *, fill: float = 0.12
-    ) -> None:
-        """Draw a rectangle with a border of `colour`. `fill` is the strength of the same colour inside."""
-        self.parts.append(
-            f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" rx="3" fill="{colour}" '
-            f'fill-opacity="{fill}" stroke="{colour}"/>'
-        )
-
-    def text(
-        self, x: float, y: float, text: str, *, anchor: str = "start", colour: str = INK, style: str = ""
-    ) -> None:
-        """Write `text` with its base line at `y`."""
-        self.parts.append(
-            f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}" {style}>'
-            f"{escape(text)}</text>"
-        )
-
-    def line(
-        self, x1: float, y1: float, x2: float, y2: float, colour: str = FAINT, *, dash: str = ""
-    ) -> None:
-        """Draw a line."""
-        dashed = f' stroke-dasharray="{dash}"' if dash else ""
-        self.parts.append(
-            f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}"{dashed}/>'
-        )
-
-    def svg(self) -> str:
-        """Return the whole picture."""
-        return "\n".join([*self.parts, "</svg>", ""])
-
-
-BOLD, SMALL, MONO = 'font-weight="600"', 'font-size="11"', 'font-family="monospace" font-size="15"'
 
 # level, its name on the PC, its name in the FPGA, what passes between them
 LAYERS = [
@@ -192,7 +145,7 @@ def publish() -> str:
     picture.text(12, 154, "sends", style=BOLD, colour=DEVICE)
     for tick in range(0, 61, 10):
         at = left + tick / 1000 * scale
-        picture.line(at, 44, at, 176, "#d7dae0", dash="2 3")
+        picture.line(at, 44, at, 176, GRID, dash="2 3")
         picture.text(at, 194, f"{tick} ms", anchor="middle", colour=FAINT, style=SMALL)
     line_free_s = start_s
     for one in found:

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Make the gallery of the components:  python tools/docs/gallery.py [--check]
+
+Each folder of components/ gives a picture and a section of docs/components.md. The picture has the pins of
+the `.ul`, and the scenes of `picture.toml` as the model of the component plays them. The same folders give
+the same bytes, and --check compares.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from component_picture import component_picture
+from made_part import with_part
+from page_format import formatted
+from scene import scenes
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPONENTS = ROOT / "components"
+PAGE = ROOT / "docs" / "components.md"
+
+
+def component_folders() -> list[Path]:
+    """Return the folders of the library, in the order of their names."""
+    return sorted(one.parent for one in COMPONENTS.glob("*/example.ul"))
+
+
+def section(folder: Path) -> str:
+    """Return what the gallery says about a component: its first sentence, its line, its picture."""
+    name = folder.name
+    page = (folder / "README.md").read_text("utf-8")
+    about = re.match(rf"# {name}\n\n(.*?)\n\n", page, re.S)
+    line = re.search(rf"^ *\w.*: {name}\(.*\);$", (folder / "example.ul").read_text("utf-8"), re.M)
+    if about is None or line is None:
+        raise SystemExit(
+            f"{folder}: README.md begins with no sentence, or example.ul has no line with {name}"
+        )
+    shown = (
+        f"[![Pins and signals of {name}](../components/{name}/{name}.svg)](../components/{name}/README.md)"
+    )
+    return (
+        f"### [{name}](../components/{name}/README.md)\n\n{about[1]}\n\n"
+        f"```ul\n{line[0].strip()}\n```\n\n{shown}\n\n"
+    )
+
+
+def made() -> dict[Path, str]:
+    """Return every file that this tool makes."""
+    files = {}
+    for folder in component_folders():
+        played = [one.play() for one in scenes(folder)]
+        files[folder / f"{folder.name}.svg"] = component_picture(folder, played)
+    part = "".join(section(folder) for folder in component_folders())
+    files[PAGE] = formatted(with_part(PAGE.read_text("utf-8"), "gallery.py", f"\n{part}"))
+    return files
+
+
+def main() -> int:
+    """Write the files, or compare them."""
+    parser = argparse.ArgumentParser(description="Make the gallery of the components.")
+    parser.add_argument(
+        "--check", action="store_true", help="exit code 1 where a file differs; writes nothing"
+    )
+    given = parser.parse_args()
+    stale = []
+    for path, text in made().items():
+        if not path.is_file() or path.read_text("utf-8") != text:
+            stale.append(str(path.relative_to(ROOT)))
+            if not given.check:
+                path.write_text(text, "utf-8")
+    print(f"{'differ' if given.check else 'made'}: {', '.join(stale) or 'none'}")
+    return int(given.check and bool(stale))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
