@@ -5,10 +5,11 @@
 --   clock 1  operand:  the instruction is known. The memory reads its operand. A jump changes the program counter.
 --   clock 2  execute:  the operand is known. The instruction does its work, and the next one is fetched.
 --
+-- Program   Of 1024 instructions, or of 2048. With 2048, X has ten bits and so reaches 1024 bytes.
 -- Ports     executing: high in the second clock. address: of the operand in the first clock, of a store in the second.
 --           operand: what the memory read. given: what is stored or put, or what an action takes. It is the operand
 --           of a `put` or action with X, and otherwise the accumulator.
---           store, put, taken, acts, tells: high in the second clock only. docs/gateware/framed_small.md explains the
+--           store, put, acts, tells, notes: high in the second clock only. docs/gateware/framed_small.md explains the
 --           instructions.
 --           port_number, port_data: what `in` reads. conditions: what a jump can ask of the hardware.
 -- Latency   Two clocks for each instruction, jumps included.
@@ -21,26 +22,27 @@ library ieee;
 
 use work.protocol_pkg.all;
 use work.small_instruction_pkg.all;
+use work.width_pkg.all;
 
 entity byte_processor is
   generic (
-    program : small_program_t  -- its length is a power of two
+    program : small_program_t  -- 1024 or 2048 instructions
   );
   port (
     clock       : in  std_ulogic;
     reset       : in  std_ulogic;
     executing   : out std_ulogic;
-    address     : out unsigned(8 downto 0);
+    address     : out unsigned(9 downto 0);
     operand     : in  byte_t;
     accumulator : out byte_t;
     given       : out byte_t;
-    pointer     : out unsigned(8 downto 0);
+    pointer     : out unsigned(9 downto 0);
     store       : out std_ulogic := '0';
     put         : out std_ulogic := '0';
-    taken       : out std_ulogic := '0';
     acts        : out small_actions_t := (others => '0');
     tells       : out small_actions_t := (others => '0');
-    port_number : out std_ulogic_vector(1 downto 0);
+    notes       : out small_actions_t := (others => '0');
+    port_number : out small_port_t;
     port_data   : in  byte_t;
     conditions  : in  small_conditions_t
   );
@@ -48,7 +50,9 @@ end entity;
 
 architecture rtl of byte_processor is
 
-  subtype position_t is unsigned(9 downto 0);
+  constant position_bits : positive := bits_for(program'length);
+
+  subtype position_t is unsigned(position_bits - 1 downto 0);
 
   signal fetched     : small_instruction_t;
   signal instruction : small_instruction_t;
@@ -61,7 +65,7 @@ architecture rtl of byte_processor is
 
   signal a           : byte_t := (others => '0');
   signal carry       : std_ulogic := '0';
-  signal x           : unsigned(8 downto 0) := (others => '0');
+  signal x           : unsigned(position_bits - 2 downto 0) := (others => '0');
 
   signal operation   : std_ulogic_vector(3 downto 0);
   signal immediate, indexed, arithmetic : std_ulogic;
@@ -72,7 +76,8 @@ architecture rtl of byte_processor is
 
 begin
 
-  assert program'length = 1024 report "byte_processor: a program has 1024 instructions" severity failure;
+  assert program'length = 1024 or program'length = 2048
+    report "byte_processor: a program has 1024 or 2048 instructions" severity failure;
 
   -- The program.
 
@@ -97,7 +102,8 @@ begin
       when if_piece     => holds := conditions.piece;
       when if_sending   => holds := conditions.sending;
       when if_accessing => holds := conditions.accessing;
-      when others       => holds := conditions.turned;
+      when if_alert     => holds := conditions.alert;
+      when others       => holds := '1';
     end case;
     jumps   <= instruction(is_jump) and (holds xor instruction(is_inverted));
     returns <= '0';
@@ -116,8 +122,8 @@ begin
         position      <= caller;
         caller        <= caller_before;
       elsif jumps = '1' then
-        position <= unsigned(instruction(target_f));
-        if instruction(is_call) = '1' then
+        position <= unsigned(instruction(position_bits - 1 downto 0));
+        if instruction(condition_f) = if_called then
           caller        <= position;
           caller_before <= caller;
         end if;
@@ -135,8 +141,8 @@ begin
   operation <= instruction(operation_f);
   immediate <= instruction(mode_f'right) and not instruction(mode_f'left);
   indexed   <= instruction(mode_f'left);
-  address   <= x when indexed = '1' else unsigned(instruction(address_f));
-  pointer   <= x;
+  address   <= resize(x, 10) when indexed = '1' else '0' & unsigned(instruction(address_f));
+  pointer   <= resize(x, 10);
 
   -- The result. A subtraction adds the inverted operand.
 
@@ -174,9 +180,9 @@ begin
       goes_on    <= works and and instruction(mode_f);
       store      <= '0';
       put        <= '0';
-      taken      <= '0';
       acts       <= (others => '0');
       tells      <= (others => '0');
+      notes      <= (others => '0');
       if works = '1' then
         case operation is
           when do_in               => loads  <= '1';
@@ -185,7 +191,7 @@ begin
           when do_put              => put    <= '1';
           when do_out              => acts   <= instruction(address_f);
           when do_tell             => tells  <= instruction(address_f);
-          when do_taken            => taken  <= '1';
+          when do_note             => notes  <= instruction(address_f);
           when others              => loads  <= '1';
         end case;
       end if;
@@ -210,9 +216,9 @@ begin
         carry <= sum(8);
       end if;
       if points = '1' then
-        x <= instruction(8) & unsigned(a);
-        if immediate = '1' then
-          x <= unsigned(instruction(address_f));
+        x <= resize(instruction(mode_f'left) & instruction(8) & unsigned(a), x'length);
+        if instruction(mode_f'right) = '1' then
+          x <= resize(instruction(mode_f'left) & unsigned(instruction(address_f)), x'length);
         end if;
       elsif goes_on = '1' then
         x(6 downto 0) <= x(6 downto 0) + 1;
@@ -224,6 +230,6 @@ begin
 
   accumulator <= a;
   given       <= (others => '0') when gives_nothing = '1' else operand when gives_operand = '1' else a;
-  port_number <= instruction(1 downto 0);
+  port_number <= instruction(2 downto 0);
 
 end architecture;

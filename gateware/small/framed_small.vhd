@@ -67,11 +67,11 @@ architecture rtl of framed_small is
 
   signal memory : small_memory_t := memory_content(settings);
 
-  signal executing, store, put, taken : std_ulogic;
-  signal address, pointer      : unsigned(8 downto 0);
+  signal executing, store, put : std_ulogic;
+  signal address, pointer      : unsigned(9 downto 0);
   signal operand, looked, accumulator, given, port_data : byte_t;
-  signal acts, tells           : small_actions_t;
-  signal port_number           : std_ulogic_vector(1 downto 0);
+  signal acts, tells, notes    : small_actions_t;
+  signal port_number           : small_port_t;
   signal conditions            : small_conditions_t;
   signal status                : byte_t;
 
@@ -108,15 +108,15 @@ begin
       & integer'image(small_window_max) severity failure;
 
   processor : entity work.byte_processor
-    generic map (program => small_program)
+    generic map (program => plain_program)
     port map (
       clock => clock, reset => reset, executing => executing, address => address, operand => operand,
-      accumulator => accumulator, given => given, pointer => pointer, store => store, put => put, taken => taken,
-      acts => acts, tells => tells,
+      accumulator => accumulator, given => given, pointer => pointer, store => store, put => put,
+      acts => acts, tells => tells, notes => notes,
       port_number => port_number, port_data => port_data, conditions => conditions);
 
   conditions <= (
-    piece => or pieces, sending => sending, accessing => accessing, turned => turned);
+    piece => or pieces, sending => sending, accessing => accessing, alert => turned);
 
   status <= overran & dead_man_response.uncounted & answer & dead_man_response.tripped_now & full &
             dead_man_response.running & dead_man_response.tripped;
@@ -134,13 +134,13 @@ begin
 
   turns : process (all)
   begin
-    read_address  <= address;
+    read_address  <= address(8 downto 0);
     write_address <= ring_page & come;
     written       <= frame_data;
     writes        <= accepts;
     if executing = '1' then
       read_address  <= reply_page & reply_place;
-      write_address <= address;
+      write_address <= address(8 downto 0);
       written       <= given;
       writes        <= store or put;
       if put = '1' then
@@ -168,7 +168,7 @@ begin
         come <= come + 1;
       end if;
       full <= (come + 1) ?= free;
-      if taken = '1' then
+      if notes(note_piece_taken) = '1' then
         pieces <= pieces - 1;
       elsif accepts = '1' and nor frame_data = '1' then
         pieces <= pieces + 1;

@@ -8,6 +8,7 @@
 ;   .at A        the next byte of the data memory       .let NAME = V   a name for a value
 ;   .var NAME N  N bytes of the data memory             #V   the value V    V   the byte at V    [x]   the byte at X
 ;   name:        a place in the program                 [x+] the same, then X goes to the next byte
+;   .if NAME     the lines up to .end are only in the program NAME: plain, or publishing
 ;
 ; Each instruction takes two clocks. Numbers have the most significant byte first, as on the wire.
 
@@ -144,7 +145,7 @@ start:      ldx counters
 
 ; ---- What is next: the clock, events, a frame to execute, bytes to check
 
-next:       jnturned now
+next:       jnalert now
             call turn
 now:        in status
             and #is_overrun + is_uncounted
@@ -447,7 +448,7 @@ event_end:  call bump
 listen:     ld paused
             jnz next
             jnpiece none
-            taken
+            note piece_taken
             ld look
             tax 1
             ld [x]
@@ -642,7 +643,7 @@ open:       ld size
             xor #5 + around
             jnz drop_kind
             out time
-            jturned next                ; count the turn first
+            jalert next                ; count the turn first
             in x
             st here
             ld epoch_h
@@ -944,7 +945,7 @@ read_control: ld rest
             ld [x]
             jz invalid                  ; a count of 0
             out time
-            jturned next                ; count the turn first
+            jalert next                ; count the turn first
             call judge
 registers:  ld [x+]
             jnz bad_address

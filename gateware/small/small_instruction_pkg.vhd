@@ -3,10 +3,11 @@
 -- The instructions of byte_processor. tools/small/assemble.py has the same numbers.
 --
 --   0 operation(4) mode(2) address(9)
---   1 condition(3) inverted(1) call(1) target(10)
+--   1 condition(3) inverted(1) target(11)
 --
 -- The mode says what the operand is: 0 the byte at the address, 1 the address itself, 2 the byte at X, 3 the byte at X,
--- and then X goes to the next byte.
+-- and then X goes to the next byte. For do_point, 0 takes A with the upper bits of the address, and 1 the address. The
+-- other bit of the mode is the highest bit of this address, which has ten bits.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -19,8 +20,7 @@ package small_instruction_pkg is
   constant is_jump     : natural := 15;
   subtype condition_f is natural range 14 downto 12;
   constant is_inverted : natural := 11;  -- it jumps if the condition does not hold; with if_always it returns
-  constant is_call     : natural := 10;
-  subtype target_f    is natural range 9 downto 0;
+  subtype target_f    is natural range 10 downto 0;
 
   subtype operation_f is natural range 14 downto 11;
   subtype mode_f      is natural range 10 downto 9;
@@ -36,7 +36,7 @@ package small_instruction_pkg is
   constant do_out   : std_ulogic_vector(3 downto 0) := "1100";  -- actions of the hardware
   constant do_tell  : std_ulogic_vector(3 downto 0) := "1101";  -- the same: the clock and the dead-man
   constant do_clear : std_ulogic_vector(3 downto 0) := "1110";  -- the operand becomes zero
-  constant do_taken : std_ulogic_vector(3 downto 0) := "1111";  -- the program takes a piece from the ring
+  constant do_note  : std_ulogic_vector(3 downto 0) := "1111";  -- the same: the ring and publishing
 
   constant if_always    : std_ulogic_vector(2 downto 0) := "000";
   constant if_zero      : std_ulogic_vector(2 downto 0) := "001";
@@ -44,16 +44,17 @@ package small_instruction_pkg is
   constant if_piece     : std_ulogic_vector(2 downto 0) := "011";
   constant if_sending   : std_ulogic_vector(2 downto 0) := "100";
   constant if_accessing : std_ulogic_vector(2 downto 0) := "101";
-  constant if_turned    : std_ulogic_vector(2 downto 0) := "110";
+  constant if_alert     : std_ulogic_vector(2 downto 0) := "110";
+  constant if_called    : std_ulogic_vector(2 downto 0) := "111";  -- always, and the next place is kept for a return
 
   type small_conditions_t is record
     piece     : std_ulogic;  -- a piece with its 00 waits in the ring
     sending   : std_ulogic;  -- a reply is being sent
     accessing : std_ulogic;  -- an access is on the bus
-    turned    : std_ulogic;  -- the clock has turned
+    alert     : std_ulogic;  -- the clock has turned, or publishing wants the program
   end record;
 
-  -- One bit for each action: of do_out, and of do_tell.
+  -- One bit for each action: of do_out, of do_tell, and of do_note.
   subtype small_actions_t is std_ulogic_vector(8 downto 0);
 
   constant out_shift_data    : natural := 0;  -- A becomes the lowest byte of the word; the others move up
@@ -76,10 +77,23 @@ package small_instruction_pkg is
   constant tell_alive        : natural := 7;
   constant tell_check_next   : natural := 8;  -- the next seven bits of the CRC
 
+  constant note_piece_taken  : natural := 0;  -- one piece less waits in the ring
+  constant note_strobe_taken : natural := 1;  -- one base strobe less waits
+  constant note_events_taken : natural := 2;  -- the events of the groups in A have been seen
+  constant note_enabled      : natural := 3;  -- A has the groups whose events count
+  constant note_publishing   : natural := 4;  -- the lowest bit of A switches it on or off
+  constant note_due          : natural := 5;  -- A has the groups that the program will publish
+  constant note_hold         : natural := 6;  -- the lowest bit of A keeps the bus
+  constant note_again        : natural := 7;  -- the reply begins anew
+  constant note_publish      : natural := 8;  -- the reply is a publish
+
   -- Ports.
-  constant in_data   : std_ulogic_vector(1 downto 0) := "00";  -- the highest byte of the word
-  constant in_check  : std_ulogic_vector(1 downto 0) := "01";  -- a byte of the check: seven bits of the CRC
-  constant in_status : std_ulogic_vector(1 downto 0) := "10";
-  constant in_x      : std_ulogic_vector(1 downto 0) := "11";
+  subtype small_port_t is std_ulogic_vector(2 downto 0);
+
+  constant in_data   : small_port_t := "000";  -- the highest byte of the word
+  constant in_check  : small_port_t := "001";  -- a byte of the check: seven bits of the CRC
+  constant in_status : small_port_t := "010";
+  constant in_x      : small_port_t := "011";
+  constant in_wants  : small_port_t := "100";  -- what publishing wants
 
 end package;

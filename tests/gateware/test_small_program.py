@@ -42,10 +42,10 @@ def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def test_the_files_made_from_the_program_are_not_stale(assembler: Any) -> None:
-    program = assembler.assemble(SOURCE.read_text(encoding="utf-8"))
+    programs = assembler.assembled(SOURCE.read_text(encoding="utf-8"))
     remedy = "python tools/small/assemble.py"
-    assert assembler.PACKAGE.read_text(encoding="utf-8") == assembler.package(program), remedy
-    assert assembler.LISTING.read_text(encoding="utf-8") == assembler.listing(program), remedy
+    assert assembler.PACKAGE.read_text(encoding="utf-8") == assembler.package(programs), remedy
+    assert assembler.LISTING.read_text(encoding="utf-8") == assembler.listing(programs), remedy
 
 
 @pytest.mark.parametrize(
@@ -60,6 +60,11 @@ def test_the_files_made_from_the_program_are_not_stale(assembler: Any) -> None:
         (" in time", "line 1: in time: "),
         (" out shift", "line 1: out shift: "),
         (" ld #later", "line 1: ld #later: later: name 'later' is not defined"),
+        (" ldx 1024", "line 1: ldx 1024: 1024 is 1024, and must be from 0 to 1023"),
+        (".if small", "line 1: .if small: there is plain and publishing, one at a time"),
+        (".if plain\n.if plain", "line 2: .if plain: there is plain and publishing, one at a time"),
+        (" put\n.if plain", "line 2: .if: there is no .end behind it"),
+        (".end", "line 1: .end: there is no .if before it"),
         (" put\n" * 1025, "the program has 1025 instructions, and at most 1024 fit"),
     ],
 )

@@ -106,11 +106,12 @@ class SmallEngine:
             total = self.a + added + [0, self.carry, 1, self.carry][operation - 4]
             self.a, self.carry = total & 255, total >> 8
         elif operation == 8:
-            self.a = [self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255][address & 3]
+            self.a = [self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255][address & 7]
         elif operation == 9:
             self.memory[place] = self.a
         elif operation == 10:
-            self.x = address if mode == 1 else address & 256 | self.a
+            self.x = (mode & 2) << 8 | (address if mode & 1 else address & 256 | self.a)
+            return
         elif operation == 11:
             self.memory[self.put_at] = given
             self.put_at += 1
@@ -121,7 +122,7 @@ class SmallEngine:
         elif operation == 14:
             self.memory[place] = 0
         else:
-            self.pieces -= 1
+            self._note(address, given)
         if mode == 3:
             self.x = self.x & ~127 | (self.x + 1) & 127
 
@@ -131,11 +132,12 @@ class SmallEngine:
             self.position = self.stack.pop(0)
             self.stack.append(self.stack[-1])
             return
-        holds = (True, self.a == 0, bool(self.carry), self.pieces > 0, self.sending > 0, False, False)
+        alert = False
+        holds = (True, self.a == 0, bool(self.carry), self.pieces > 0, self.sending > 0, False, alert, True)
         if holds[condition] != bool(inverted):
-            if word >> 10 & 1:
+            if condition == 7:
                 self.stack = [self.position, self.stack[0]]
-            self.position = word & 1023
+            self.position = word & 2047
 
     def _status(self) -> int:
         full = (self.come + 1) % 128 == self.free
@@ -178,6 +180,10 @@ class SmallEngine:
             self.uncounted = False
         if actions & 256:
             self.crc >>= 7
+
+    def _note(self, actions: int, given: int) -> None:
+        if actions & 1:
+            self.pieces -= 1
 
     def _access(self, *, writes: bool) -> None:
         self.answer = 0

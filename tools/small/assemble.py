@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,8 +21,10 @@ PACKAGE = ROOT / "gateware" / "small" / "small_program_pkg.vhd"
 LISTING = ROOT / "docs" / "gateware" / "small-program.md"
 NOTE = "Generated from gateware/small/program.asm by tools/small/assemble.py; edit there."
 
-PROGRAM_WORDS = 1024
-MEMORY_BYTES = 512
+# Both programs come from the one source. The name of each is what `.if` asks for.
+PROGRAM_WORDS = {"plain": 1024, "publishing": 2048}
+MEMORY_BYTES = 1024
+DIRECT_BYTES = 512  # an instruction reaches the bytes above only by X
 
 # They are the same as in gateware/small/small_instruction_pkg.vhd.
 OPERATIONS = (
@@ -41,15 +43,19 @@ OPERATIONS = (
     "out",
     "tell",
     "clr",
-    "taken",
+    "note",
 )
-CONDITIONS = ("jmp", "jz", "jc", "jpiece", "jsending", "jaccess", "jturned")
-INVERTED = {"ret": "jmp", "jnz": "jz", "jnc": "jc", "jnturned": "jturned", "jnpiece": "jpiece"}
-PORTS = ("data", "check", "status", "x")
+CONDITIONS = ("jmp", "jz", "jc", "jpiece", "jsending", "jaccess", "jalert", "call")
+INVERTED = {"ret": "jmp", "jnz": "jz", "jnc": "jc", "jnalert": "jalert", "jnpiece": "jpiece"}
+PORTS = ("data", "check", "status", "x", "wants")
 ACTIONS = {
     "out": ("shift_data", "shift_address", "read", "write", "time", "crc", "crc_clear", "send", "free"),
     "tell": ("turn_seen", "overrun_seen", "start", "trip", "renew", "arm", "counted", "alive", "check_next"),
-}
+    "note": (
+        "piece_taken", "strobe_taken", "events_taken", "enabled", "publishing", "due", "hold", "again",
+        "publish",
+    ),
+}  # fmt: skip
 DIRECT, IMMEDIATE = 0, 1
 MODES = {"[x]": 2, "[x+]": 3}
 
@@ -86,6 +92,7 @@ class Program:
         default_factory=dict
     )  # comments that fill a line, by the next instruction
     words: list[int] = field(default_factory=list)
+    room: int = PROGRAM_WORDS["plain"]
 
 
 def constants() -> dict[str, int]:
@@ -108,16 +115,41 @@ def within(value: int, most: int, text: str) -> int:
     return value
 
 
-def parse(text: str) -> Program:
-    """Take the source apart.
+def chosen_lines(text: str, name: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines that the program `name` has, with their numbers.
+
+    >>> list(chosen_lines("a\\n.if publishing\\nb\\n.end\\nc", "plain"))
+    [(1, 'a'), (5, 'c')]
+    """
+    inside, left_out = 0, False
+    for number, line in enumerate(text.splitlines(), 1):
+        word, _, asked = line.partition(";")[0].strip().partition(" ")
+        if word == ".if":
+            if inside or asked not in PROGRAM_WORDS:
+                raise Mistake(
+                    f"line {number}: .if {asked}: there is {' and '.join(PROGRAM_WORDS)}, one at a time"
+                )
+            inside, left_out = number, asked != name
+        elif word == ".end":
+            if not inside:
+                raise Mistake(f"line {number}: .end: there is no .if before it")
+            inside, left_out = 0, False
+        elif not left_out:
+            yield number, line
+    if inside:
+        raise Mistake(f"line {inside}: .if: there is no .end behind it")
+
+
+def parse(text: str, name: str = "plain") -> Program:
+    """Take the source of a program apart.
 
     >>> parse(".var there\\nhere: ld there ; why").lines
     [Line(number=2, labels=('here',), operation='ld', operand='there', comment='why')]
     """
-    program = Program(names=constants())
+    program = Program(names=constants(), room=PROGRAM_WORDS[name])
     address = 0
     waiting: list[str] = []  # labels of the next instruction
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in chosen_lines(text, name):
         code, _, comment = line.partition(";")
         label = re.match(r"(\w+):", code)
         if label:
@@ -134,14 +166,14 @@ def parse(text: str) -> Program:
         elif operation == ".at":
             address = value_of(operand, program.names)
         elif operation == ".let":
-            name, _, meaning = operand.partition("=")
-            program.names[name.strip()] = value_of(meaning, program.names)
+            given, _, meaning = operand.partition("=")
+            program.names[given.strip()] = value_of(meaning, program.names)
         elif operation == ".var":
-            name, *size = operand.split()
-            if name in program.names:
-                raise Mistake(f"line {number}: {name} stands twice")
-            program.names[name] = address
-            address = within(address + (int(size[0]) if size else 1), MEMORY_BYTES + 1, name)
+            given, *size = operand.split()
+            if given in program.names:
+                raise Mistake(f"line {number}: {given} stands twice")
+            program.names[given] = address
+            address = within(address + (int(size[0]) if size else 1), MEMORY_BYTES + 1, given)
         else:
             program.lines.append(Line(number, tuple(waiting), operation, operand, comment.strip()))
             waiting = []
@@ -151,14 +183,17 @@ def parse(text: str) -> Program:
 def word_of(line: Line, program: Program) -> int:
     """Return the word of an instruction."""
     name, operand = line.operation, line.operand
-    if name == "call" or name in CONDITIONS or name in INVERTED:
+    if name in CONDITIONS or name in INVERTED:
         if name != "ret" and operand not in program.labels:
             raise Mistake(f"there is no place {operand}")
-        condition = CONDITIONS.index("jmp" if name == "call" else INVERTED.get(name, name))
+        condition = CONDITIONS.index(INVERTED.get(name, name))
         target = 0 if name == "ret" else program.labels[operand]
-        return 1 << 15 | condition << 12 | (name in INVERTED) << 11 | (name == "call") << 10 | target
-    if name == "tax":
-        return OPERATIONS.index("ldx") << 11 | within(value_of(operand, program.names), 2, operand) << 8
+        return 1 << 15 | condition << 12 | (name in INVERTED) << 11 | target
+    if name in ("ldx", "tax"):  # bit 10 is the highest of the address
+        most = MEMORY_BYTES if name == "ldx" else MEMORY_BYTES // 256
+        address = within(value_of(operand, program.names), most, operand) << (0 if name == "ldx" else 8)
+        high, low = divmod(address, DIRECT_BYTES)
+        return OPERATIONS.index("ldx") << 11 | high << 10 | (name == "ldx") << 9 | low
     if name not in OPERATIONS:
         raise Mistake(f"there is no instruction {name}")
     code = OPERATIONS.index(name) << 11
@@ -169,35 +204,45 @@ def word_of(line: Line, program: Program) -> int:
     if name in ACTIONS:
         chosen = actions if mode else operand.split()
         return code | mode | sum(1 << ACTIONS[name].index(action) for action in chosen)
-    if name in ("put", "taken") or mode:
+    if name == "put" or mode:
         return code | mode
     if operand.startswith("#"):
         return code | IMMEDIATE << 9 | within(value_of(operand[1:], program.names), 256, operand)
-    address = within(value_of(operand, program.names), MEMORY_BYTES, operand)
-    return code | (IMMEDIATE << 9 if name == "ldx" else 0) | address
+    return code | within(value_of(operand, program.names), DIRECT_BYTES, operand)
 
 
-def assemble(text: str) -> Program:
+def assemble(text: str, name: str = "plain") -> Program:
     """Return the program with its words.
 
     >>> [f"{word:04X}" for word in assemble("again: ld #7\\n jmp again").words]
     ['0207', '8000']
     """
-    program = parse(text)
+    program = parse(text, name)
     for line in program.lines:
         try:
             program.words.append(word_of(line, program))
         except (Mistake, ValueError) as error:
             raise Mistake(f"line {line.number}: {line.operation} {line.operand}: {error}") from error
-    if len(program.words) > PROGRAM_WORDS:
-        raise Mistake(f"the program has {len(program.words)} instructions, and at most {PROGRAM_WORDS} fit")
+    if len(program.words) > program.room:
+        raise Mistake(f"the program has {len(program.words)} instructions, and at most {program.room} fit")
     return program
 
 
-def package(program: Program) -> str:
+def assembled(text: str) -> dict[str, Program]:
+    """Return each program of the source by its name."""
+    return {name: assemble(text, name) for name in PROGRAM_WORDS}
+
+
+def rows(program: Program) -> Iterator[str]:
+    """Yield the words as the lines of a VHDL aggregate."""
+    for at in range(0, len(program.words), 12):
+        yield "    " + ", ".join(f'x"{word:04X}"' for word in program.words[at : at + 12]) + ","
+    yield '    others => x"0000");'
+
+
+def package(programs: Mapping[str, Program]) -> str:
     """Return small_program_pkg.vhd."""
-    words = program.words + [0] * (PROGRAM_WORDS - len(program.words))
-    rows = [", ".join(f'x"{word:04X}"' for word in words[at : at + 8]) for at in range(0, len(words), 8)]
+    names = programs["publishing"].names
     lines = [
         "-- SPDX-License-Identifier: BSD-3-Clause",
         f"-- The program of the small engine. {NOTE}",
@@ -209,23 +254,31 @@ def package(program: Program) -> str:
         "",
         "package small_program_pkg is",
         "",
-        *(f"  constant small_{name} : natural := {program.names[name]};" for name in TOLD),
-        "",
-        f"  constant small_program : small_program_t(0 to {PROGRAM_WORDS - 1}) := (",
-        ",\n".join(f"    {row}" for row in rows) + ");",
-        "",
-        "end package;",
+        *(f"  constant small_{name} : natural := {names[name]};" for name in TOLD),
     ]
+    for name, program in programs.items():
+        lines += [
+            "",
+            f"  constant {name}_program : small_program_t(0 to {program.room - 1}) := (",
+            *rows(program),
+        ]
+    lines += ["", "end package;"]
     return "\n".join(lines) + "\n"
 
 
-def listing(program: Program) -> str:
-    """Return docs/gateware/small-program.md."""
+def listing(programs: Mapping[str, Program]) -> str:
+    """Return docs/gateware/small-program.md: the longer program, which has every line of the other."""
+    plain, program = programs["plain"], programs["publishing"]
+    shared = {line.number for line in plain.lines}
     lines = [
         f"<!-- {NOTE} -->",
         "# The program of the small engine, as assembled",
         "",
-        f"{len(program.words)} of {PROGRAM_WORDS} instructions. Read [framed_small](framed_small.md) first.",
+        f"The program with publishing has {len(program.words)} of {program.room} instructions.",
+        f"The one without publishing has {len(plain.words)} of {plain.room}.",
+        "It lacks the lines with a `+`, so its places are lower.",
+        "",
+        "Read [framed_small](framed_small.md) first.",
         "Each line has the place and the word in hexadecimal, the label, the instruction and its comment.",
         "",
         "```",
@@ -235,7 +288,8 @@ def listing(program: Program) -> str:
             program.heads.get(place)
         )
         label = f"{line.labels[-1]}:" if line.labels else ""
-        text = f"{place:03X} {word:04X}  {label:15}{line.operation} {line.operand}"
+        mark = " " if line.number in shared else "+"
+        text = f"{place:03X} {word:04X} {mark}{label:15}{line.operation} {line.operand}"
         lines.append(f"{text:50}{'; ' + line.comment if line.comment else ''}".rstrip())
     return "\n".join([*lines, "```"]) + "\n"
 
@@ -243,11 +297,11 @@ def listing(program: Program) -> str:
 def main() -> int:
     """Write the stale files. Return 1 if a file is stale and nothing may be written."""
     try:
-        program = assemble(SOURCE.read_text(encoding="utf-8"))
+        programs = assembled(SOURCE.read_text(encoding="utf-8"))
     except Mistake as mistake:
         print(f"{SOURCE.name}: {mistake}", file=sys.stderr)
         return 2
-    made = {PACKAGE: package(program), LISTING: listing(program)}
+    made = {PACKAGE: package(programs), LISTING: listing(programs)}
     stale = [
         path for path, text in made.items() if not path.exists() or path.read_text(encoding="utf-8") != text
     ]
