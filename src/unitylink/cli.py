@@ -35,7 +35,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "flash": ("flash", "Write a bitstream to its board."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
     "budget": ("budget", "Show the cost of a spec's publishes on the line."),
-    "import": ("import_command", "Make a spec from SystemRDL."),
+    "import": ("import_command", "Make a spec from SystemRDL, or from a configuration of riocore."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
     "info": ("info", "Show a device's configuration and the link's statistics."),

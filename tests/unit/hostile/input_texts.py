@@ -49,6 +49,15 @@ def read_import(data: bytes, folder: Path) -> None:
     command(["import", "x.rdl"], folder)
 
 
+def configurations(_: Path) -> list[bytes]:
+    return [path.read_bytes() for path in (ROOT / "tests" / "unit" / "commands" / "riocore").glob("*.json")]
+
+
+def read_configuration(data: bytes, folder: Path) -> None:
+    (folder / "x.json").write_bytes(data)
+    command(["import", "x.json"], folder)
+
+
 def boards(_: Path) -> list[bytes]:
     return [path.read_bytes() for path in ROOT.glob("boards/*/board.toml")]
 

@@ -102,6 +102,14 @@ KINDS = (
         [*_TEXT, b"`include", b"addrmap", b"{", b"};"],
         text=True,
     ),
+    Kind(
+        "configuration",
+        texts.configurations,
+        texts.read_configuration,
+        2,
+        [*_TEXT, b'"pins"', b"{", b"}", b"[", b"null", b'"joint.0.home-sw-in"', b'"type": "stepdir"'],
+        text=True,
+    ),
     Kind("board", texts.boards, texts.read_board, 5, [*_TEXT, b"[", b"]", b"=", b"[[pins]]"], text=True),
     Kind("report", texts.reports, texts.read_report, 2, [*_TEXT, b"[", b"null"], text=True),
     Kind(

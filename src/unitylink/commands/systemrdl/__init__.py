@@ -4,6 +4,6 @@
 from __future__ import annotations
 
 from .read import read_systemrdl
-from .write import Imported, write_spec
+from .write import write_spec
 
-__all__ = ["Imported", "read_systemrdl", "write_spec"]
+__all__ = ["read_systemrdl", "write_spec"]

@@ -10,7 +10,8 @@ from systemrdl.node import FieldNode, RegNode
 from systemrdl.rdltypes.builtin_enums import OnWriteType
 
 from ..failure import Failure
-from .names import Names, documentation
+from ..spec_names import Names
+from .comments import documentation
 
 MAX_BITS = 64
 

@@ -3,24 +3,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from systemrdl.node import AddressableNode, AddrmapNode, MemNode, RegfileNode, RegNode
 
 from unitylink.protocol import DATA_BITS_MAX
-from unitylink.spec import compile_text, format_text, render
 
 from ..failure import Failure
-from .names import Names, documentation
+from ..imported import Imported, checked
+from ..spec_names import Names
+from .comments import documentation
 from .registers import Types, register
-
-
-@dataclass(frozen=True)
-class Imported:
-    """A spec, and the parts of its source that it could not express."""
-
-    text: str
-    notes: tuple[str, ...]
 
 
 def write_spec(top: AddrmapNode) -> Imported:
@@ -29,10 +20,7 @@ def write_spec(top: AddrmapNode) -> Imported:
     Raises Failure, which names the parts that UL-spec cannot express.
     """
     writer = _Writer(top)
-    text = format_text(writer.text(), f"{top.inst_name}.ul")
-    errors = [d for d in compile_text(text, f"{top.inst_name}.ul").diagnostics if d.severity == "error"]
-    if errors:
-        raise Failure(f"{top.inst_name} cannot be expressed in UL-spec:\n{render(errors)}")
+    text, _ = checked(writer.text(), top.inst_name)
     return Imported(text, tuple(writer.types.notes))
 
 
