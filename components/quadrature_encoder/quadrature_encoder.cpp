@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model of quadrature_encoder.vhd.
+// The model of quadrature_encoder.vhd, with its quadrature_encoder_counts.vhd.
+#include <algorithm>
+#include <array>
+
 #include "device/component/component.hpp"
 #include "device/component/input_filter.hpp"
 
@@ -7,50 +10,153 @@ namespace unitylink::device {
 
 namespace {
 
+constexpr Clock round_clocks = 16;
+
 class QuadratureEncoder final : public Component {
  public:
   explicit QuadratureEncoder(const ComponentConfiguration& from)
-      : Component(from, "1001", true), filter_(3, static_cast<std::uint32_t>(from.generic("stable_clocks", 2))) {}
+      : Component(from, "100100", true),
+        filter_(3, static_cast<std::uint32_t>(from.generic("stable_clocks", 2))),
+        with_index_(from.generic("with_index", 0) != 0),
+        with_stamps_(from.generic("with_stamps", 0) != 0),
+        data_mask_(from.data_mask()) {
+    wait_until(round_clocks);
+  }
 
  private:
-  enum Register : std::uint32_t { position, index_position, index_count, impossible };
+  enum Register : std::uint32_t { position, index_position, index_count, impossible, stamp, index_stamp, words };
+  enum Event : std::uint32_t { indexed, failed };
   enum Pin : std::uint32_t { a = 1, b = 2, index = 4 };  // bits of the levels
+  // The edges of a round that matter: two for each word, and the last one.
+  static constexpr Clock takes_steps = 2 * position;
+  static constexpr Clock takes_failed = 2 * impossible;
+  static constexpr Clock frees_index = 2 * index_stamp;
+  static constexpr Clock shows = round_clocks - 1;
 
-  [[nodiscard]] Clock next() const noexcept override { return std::min(filter_.next(), compare_); }
+  // The first edge from `edge` on with this place in its round.
+  [[nodiscard]] static Clock at_place(Clock place, Clock edge) noexcept {
+    return edge + (place + round_clocks - edge % round_clocks) % round_clocks;
+  }
+
+  [[nodiscard]] Clock next() const noexcept override { return std::min({filter_.next(), compare_, turn_}); }
+
+  // A write waits for the turn of its word, and for the end of that round.
+  Clock offered(std::uint32_t address, std::uint32_t value, Clock edge) override {
+    const Clock taken = at_place(2 * address, edge);
+    given_ = {taken, value};
+    turn_ = std::min(turn_, taken);
+    return at_place(shows, taken);
+  }
 
   void step(Clock edge) override {
+    const Clock place = edge % round_clocks;
+    const bool had_index = has_index_;
+    const bool given = given_.taken == edge;
+    if (place == takes_steps) {
+      take(given);
+    } else if (place == takes_failed) {
+      live_[impossible] = (given ? given_.value : live_[impossible]) + (has_failed_ ? 1u : 0u);
+      has_failed_ = false;
+    } else if (place == frees_index && due_) {
+      has_index_ = false;
+      due_ = false;
+    }
+    look(edge, had_index);
+    if (place == shows) {
+      for (std::uint32_t address = 0; address < words; ++address) {
+        word(address, live_[address] & data_mask_, edge);
+      }
+    }
+    plan(edge);
+  }
+
+  // The turn of the position takes what came in the round before.
+  void take(bool given) noexcept {
+    const std::uint32_t from = given ? given_.value : live_[position];
+    due_ = has_index_;
+    if (due_) {
+      live_[index_position] = from + index_steps_;
+      ++live_[index_count];
+      live_[index_stamp] = with_stamps_ ? index_at_ : 0;
+    }
+    if (has_stepped_) {
+      live_[stamp] = step_at_;
+    }
+    live_[position] = from + steps_;
+    steps_ = 0;
+    has_stepped_ = false;
+  }
+
+  void look(Clock edge, bool had_index) {
     const std::uint32_t now = filter_.levels();
     const std::uint32_t changed = now ^ before_;
-    if (is_written(position, edge)) {
-      position_ = write_word(position);
-    }
-    if (is_written(impossible, edge)) {
-      impossible_ = write_word(impossible);
-    }
-    if ((changed & (a | b)) == (a | b)) {
-      ++impossible_;
-    } else if ((changed & (a | b)) != 0) {
+    const bool counts = edge >= round_clocks;
+    if (counts && (changed & (a | b)) == (a | b)) {
+      has_failed_ = true;
+      event(failed, edge);
+    } else if (counts && (changed & (a | b)) != 0) {
       const bool up = ((now & a) != 0) != ((before_ & b) != 0);
-      position_ += up ? 1u : ~0u;
+      steps_ += up ? 1u : ~0u;
+      has_stepped_ = with_stamps_;
+      step_at_ = static_cast<std::uint32_t>(edge);
     }
-    if ((now & ~before_ & index) != 0) {
-      word(index_position, position_, edge);
-      word(index_count, ++indices_, edge);
+    if (counts && with_index_ && (changed & now & index) != 0) {
+      event(indexed, edge);
+      if (!had_index) {
+        has_index_ = true;
+        index_steps_ = steps_;
+        index_at_ = static_cast<std::uint32_t>(edge);
+      }
     }
     before_ = now;
-    word(position, position_, edge);
-    word(impossible, impossible_, edge);
     compare_ = filter_.step(edge) ? edge + 1 : never;
+  }
+
+  // The next edge with a turn that has something to do. Words that changed are shown at the end of their round.
+  void plan(Clock edge) noexcept {
+    turn_ = never;
+    const Clock after = edge + 1;
+    if (edge % round_clocks < shows && edge >= round_clocks) {
+      turn_ = at_place(shows, after);
+    }
+    if (steps_ != 0 || has_stepped_ || has_index_) {
+      turn_ = std::min(turn_, at_place(takes_steps, after));
+    }
+    if (has_failed_) {
+      turn_ = std::min(turn_, at_place(takes_failed, after));
+    }
+    if (due_) {
+      turn_ = std::min(turn_, at_place(frees_index, after));
+    }
+    if (given_.taken != never && given_.taken > edge) {
+      turn_ = std::min(turn_, given_.taken);
+    }
   }
 
   void driven(std::uint32_t pin, bool level, Clock edge) override { filter_.drive(pin, level, edge); }
 
+  struct Given {
+    Clock taken = never;  // the edge that takes the word from the bus
+    std::uint32_t value = 0;
+  };
+
   InputFilter filter_;
+  bool with_index_;
+  bool with_stamps_;
+  std::uint32_t data_mask_;
+  std::array<std::uint32_t, words> live_{};
+  Given given_;
   std::uint32_t before_ = 0;  // the levels when they were last compared
-  std::uint32_t position_ = 0;
-  std::uint32_t indices_ = 0;
-  std::uint32_t impossible_ = 0;
+  std::uint32_t steps_ = 0;   // since the position had its turn
+  std::uint32_t step_at_ = 0;
+  std::uint32_t index_steps_ = 0;  // until the index
+  std::uint32_t index_at_ = 0;
+  bool has_stepped_ = false;
+  bool has_failed_ = false;
+  bool has_index_ = false;
+  bool due_ = false;       // the index came before the position had its turn
   Clock compare_ = never;  // the edge that compares the levels again
+  Clock turn_ = never;     // the next edge that is the turn of something
 };
 
 }  // namespace

@@ -7,36 +7,43 @@
 --   index  ____/‾\__________        once per turn
 --
 --   +0  position, two's complement; wraps at the word          write: preset
---   +1  position at the last rising edge of index
---   +2  rising edges of index so far; wraps at the word
+--   +1  position at the last rising edge of index              (with_index 1, else zero)
+--   +2  rising edges of index so far; wraps at the word        (with_index 1, else zero)
 --   +3  impossible steps: both signals changed at once         write: sets the number
+--   +4  clock of the last step, since the reset                (with_stamps 1, else zero)
+--   +5  clock of the last rising edge of index                 (with both 1, else zero)
 --
--- Reads give the words of the moment when cyc rose, so a publish of many encoders has one moment for all. A preset
--- loses no step that comes in the same clock.
+-- The words are in block RAM: see quadrature_encoder_counts. All words are of one moment, also in a block of accesses,
+-- and a publish of many encoders has one moment for all, to 16 clocks. A preset loses no step.
 --
+-- Events    indexed: a rising edge of index. failed: an impossible step.
 -- Speed     At most one step per stable_clocks. A faster step is counted in +3, and the position is then wrong by at
---           least two counts.
--- Latency   2 clocks per access (register_slave). The position follows the pins 3 + stable_clocks clocks later.
--- Errors    err for writes to +1 and +2 and for addresses from 4 on.
--- Reset     All words are zero. If the reset lasts at least 5 clocks, the levels of the pins at that time are not
---           counted as a step.
+--           least two counts. +2 and +3 count at most one in 16 clocks.
+-- Latency   2 clocks for a read, at most 34 for a write: it is acknowledged when it is in force and can be read. The
+--           position follows the pins at most 35 + stable_clocks clocks later. The events follow them 3 + stable_clocks
+--           clocks later.
+-- Errors    err for writes to other addresses than +0 and +3, and for addresses from 6 on.
+-- Reset     All words are zero. The levels of the pins at that time are not counted as a step, if the reset lasts at
+--           least 5 clocks. The first access waits for up to 16 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use ieee.numeric_std.all;
-  use work.register_pkg.all;
   use work.wishbone_pkg.all;
 
 entity quadrature_encoder is
   generic (
     data_width    : positive range 8 to 32 := 32;
-    stable_clocks : positive               := 2 -- clocks for which a level must be stable
+    stable_clocks : positive               := 2; -- clocks for which a level must be stable
+    with_index    : natural range 0 to 1   := 0;
+    with_stamps   : natural range 0 to 1   := 0
   );
   port (
     clock        : in  std_ulogic;
     reset        : in  std_ulogic; -- synchronous
     wishbone_m2s : in  wishbone_m2s_t;
     wishbone_s2m : out wishbone_s2m_t;
+    indexed      : out std_ulogic;
+    failed       : out std_ulogic;
 
     a     : in std_ulogic; -- asynchronous, like the next two
     b     : in std_ulogic;
@@ -46,23 +53,9 @@ end entity;
 
 architecture rtl of quadrature_encoder is
 
-  signal read_words  : word_vector_t(0 to 3);
-  signal write_words : word_vector_t(0 to 3);
-  signal written     : std_ulogic_vector(0 to 3);
-
-  signal levels, before : std_ulogic_vector(2 downto 0); -- index, b, a
-  signal position       : unsigned(word_t'range);
-  signal index_position : unsigned(word_t'range);
-  signal index_count    : unsigned(word_t'range);
-  signal impossible     : unsigned(word_t'range);
+  signal levels : std_ulogic_vector(2 downto 0); -- index, b, a
 
 begin
-
-  registers : entity work.register_slave
-    generic map (writable => "1001", data_width => data_width, snapshot => true)
-    port map (
-      clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
-      read_words => read_words, write_words => write_words, written => written);
 
   inputs : entity work.input_filter
     generic map (width => 3, stable_clocks => stable_clocks)
@@ -70,54 +63,11 @@ begin
       clock => clock, reset => reset,
       pins(0) => a, pins(1) => b, pins(2) => index, levels => levels);
 
-  read_words <= (
-    std_ulogic_vector(position), std_ulogic_vector(index_position), std_ulogic_vector(index_count),
-    std_ulogic_vector(impossible));
-
-  process (clock) is
-    variable changed_a, changed_b : std_ulogic;
-    variable next_position        : unsigned(word_t'range);
-    variable next_impossible      : unsigned(word_t'range);
-  begin
-    if rising_edge(clock) then
-      before    <= levels;
-      changed_a := levels(0) xor before(0);
-      changed_b := levels(1) xor before(1);
-
-      next_position   := position;
-      next_impossible := impossible;
-      if written(0) = '1' then
-        next_position := unsigned(write_words(0));
-      end if;
-      if written(3) = '1' then
-        next_impossible := unsigned(write_words(3));
-      end if;
-
-      if (changed_a and changed_b) = '1' then
-        next_impossible := next_impossible + 1;
-      elsif (changed_a or changed_b) = '1' then
-        if (levels(0) xor before(1)) = '1' then
-          next_position := next_position + 1;
-        else
-          next_position := next_position - 1;
-        end if;
-      end if;
-      position   <= next_position;
-      impossible <= next_impossible;
-
-      if levels(2) = '1' and before(2) = '0' then
-        index_position <= next_position;
-        index_count    <= index_count + 1;
-      end if;
-
-      if reset = '1' then
-        before         <= levels;
-        position       <= (others => '0');
-        index_position <= (others => '0');
-        index_count    <= (others => '0');
-        impossible     <= (others => '0');
-      end if;
-    end if;
-  end process;
+  counts : entity work.quadrature_encoder_counts
+    generic map (channels => 1, with_index => with_index, with_stamps => with_stamps, data_width => data_width)
+    port map (
+      clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
+      indexed => indexed, failed => failed,
+      a => levels(0 downto 0), b => levels(1 downto 1), index => levels(2 downto 2));
 
 end architecture;

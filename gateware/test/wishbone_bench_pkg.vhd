@@ -11,7 +11,7 @@ library ieee;
 
 package wishbone_bench_pkg is
 
-  constant access_clocks_most : positive := 20;
+  constant access_clocks_most : positive := 64;
 
   type bus_answer_t is record
     word    : std_ulogic_vector(31 downto 0);

@@ -61,10 +61,14 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
     switch (what) {
       case 'p': model.drive(number, value != 0, at); break;
       case 'c': model.block(value != 0, at); break;
-      case 'w': seen.emplace_back(at + 1, 'a', model.write(number, value, at) == BusStatus::ok ? 0 : 1, 0); break;
+      case 'w': {
+        const bool ok = model.write(number, value, at) == BusStatus::ok;
+        seen.emplace_back(model.free_at() - 1, 'a', ok ? 0 : 1, 0);
+        break;
+      }
       default: {
         const BusReply reply = model.read(number, at);
-        seen.emplace_back(at + 1, 'a', reply.status == BusStatus::ok ? 0 : 1, reply.value);
+        seen.emplace_back(model.free_at() - 1, 'a', reply.status == BusStatus::ok ? 0 : 1, reply.value);
       }
     }
   }

@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TEXT = """
 link cart (ADDRESS=8);
 public cart() {
-   wheel[2]: quadrature_encoder(rate=1 kHz, scale=2*pi/4096 rad);
+   wheel[2]: quadrature_encoder(rate=1 kHz, scale=2*pi/4096 rad, with_index=1);
    drive: pwm(channels=2, safe=7);
    pad: gpio(pins=4, safe=5);
    @pressed = 0x0: u4 READ(PUBLISH(on pad.changed));

@@ -58,7 +58,8 @@ begin
     variable blank     : character;
     variable last_out  : std_ulogic_vector(outputs'range) := (others => '0');
     variable last_events : std_ulogic_vector(events'range) := (others => '0');
-    variable asked     : integer := -10;
+    variable waits     : boolean := false; -- for the answer of an access
+    variable answered  : integer := -10;
     variable held      : boolean := false;
 
     procedure fetch is
@@ -108,8 +109,9 @@ begin
         end if;
       end loop;
       last_events := events;
-      if asked = state - 1 then
-        assert (s2m.ack xor s2m.err) = '1' report "no answer" severity failure;
+      if waits and (s2m.ack or s2m.err) = '1' then
+        waits    := false;
+        answered := state;
         if s2m.err = '1' then
           tell(state, 'a', 1, x"00000000");
         elsif m2s.we = '1' then
@@ -117,7 +119,7 @@ begin
         else
           tell(state, 'a', 0, s2m.dat);
         end if;
-      elsif asked = state - 2 then
+      elsif answered = state - 1 then
         m2s.stb <= '0';
         if not held then
           m2s.cyc <= '0';
@@ -131,7 +133,8 @@ begin
             held := low = 1;
             m2s.cyc <= '1' when held else '0';
           when others =>
-            asked := state;
+            assert not waits report "no answer" severity failure;
+            waits := true;
             m2s.cyc <= '1';
             m2s.stb <= '1';
             m2s.we  <= '1' when what = 'w' else '0';
@@ -203,13 +206,15 @@ class Case:
     """Arguments of a component in a spec, and how it is tried.
 
     `values` has, for some addresses, the values that make the component do something. `pause` is the longest
-    time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins.
+    time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins. `wait` is
+    the longest time for which a write waits for its answer, and for which any access waits after the reset.
     """
 
     arguments: str = ""
     values: Mapping[int, Sequence[int]] = field(default_factory=dict)
     pause: int = 40
     quiet: int = 120
+    wait: int = 0
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -225,8 +230,8 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
 
 
 def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:
-    now = draw.randrange(4)
-    while now < end - 20:
+    now = case.wait + draw.randrange(4)
+    while now < end - 20 - 6 * case.wait:
         count = draw.choice((1, 1, 1, 2, 3, 6))
         if count > 1:
             yield now, "c", 0, 1
@@ -238,6 +243,7 @@ def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end:
                 known = case.values.get(address)
                 value = draw.choice(known) if known and draw.random() < 0.9 else draw.getrandbits(32)
                 yield now, "w", address, value
+                now += case.wait
             now += 2 + (draw.randrange(3) if draw.random() < 0.3 else 0)
         if count > 1:
             yield now, "c", 0, 0

@@ -41,9 +41,15 @@ def test_h_bridge(ghdl: Any, coast: int) -> None:
     ghdl.run("h_bridge_tb", coast=coast)
 
 
-@pytest.mark.parametrize(("data_width", "stable_clocks"), [(32, 1), (32, 2), (16, 5)])
-def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int) -> None:
-    ghdl.run("quadrature_encoder_tb", data_width=data_width, stable_clocks=stable_clocks)
+@pytest.mark.parametrize(("data_width", "stable_clocks", "extras"), [(32, 1, 1), (32, 2, 0), (16, 5, 1)])
+def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int, extras: int) -> None:
+    ghdl.run(
+        "quadrature_encoder_tb",
+        data_width=data_width,
+        stable_clocks=stable_clocks,
+        with_index=extras,
+        with_stamps=extras,
+    )
 
 
 def test_stepgen(ghdl: Any) -> None:
@@ -70,7 +76,10 @@ def test_a_depth_the_word_cannot_count_stops_elaboration(ghdl: Any) -> None:
     ghdl.refuse("fifo_slave_tb", "does not fit a word of 8 bits", data_width=8, depth=256)
 
 
-NETLISTS = {"gpio": {"stable_clocks": 1}, "quadrature_encoder": {}}  # generics that differ from the bench's
+NETLISTS = {
+    "gpio": {"stable_clocks": 1},
+    "quadrature_encoder": {"with_index": 0, "with_stamps": 0},
+}  # generics that differ from the bench's
 OTHERS = [
     name
     for name in (*component_names(), "fifo_slave", "input_filter", "bridge_gates")

@@ -114,7 +114,7 @@ def test_a_design_takes_nothing_unsynchronised(physical: str) -> None:
 def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
     (tmp_path / "panel.ul").write_text(
         "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE();"
-        " pad: gpio(pins=2); wheel: quadrature_encoder(); }"
+        " pad: gpio(pins=2); wheel: quadrature_encoder(with_index=1); }"
     )
     order = Wanted(spec_file=str(tmp_path / "panel.ul"), folder=tmp_path)
     plan = SpecPlan(load(order.spec_file), {"protocol": "classic", "publish_mode": 0})

@@ -236,7 +236,7 @@ def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
         "#W:0300000960\n",  # servo 1: 2400 us
         "#W:0000000003\n",  # enable, servo mode
         24_000,  # 3 ms
-        "#R:04\n",
+        "#R:08\n",
         "#R:20\n",
         "#W:2200000000\n",
     ]

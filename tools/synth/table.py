@@ -159,6 +159,14 @@ ROWS = (
         memories_most=6,
     ),
     Row(
+        "quadrature_encoder",
+        "a component: one incremental encoder without index and stamps",
+        top="quadrature_encoder",
+        cells_most=160,
+        mhz_least=50.0,
+        memories_most=4,
+    ),
+    Row(
         "three_phase_pwm",
         "a component: three phases with dead time and fault input, at 20 kHz",
         top="three_phase_pwm",

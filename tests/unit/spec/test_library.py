@@ -40,10 +40,10 @@ def test_components_get_addresses_where_there_is_room() -> None:
     places = {i.path: (i.component.base, i.component.words) for i in spec.root().instances if i.component}
     assert places == {
         "drive": (8, 6),
-        "encoder[0]": (4, 4),
-        "encoder[1]": (16, 4),
+        "encoder[0]": (16, 6),
+        "encoder[1]": (24, 6),
         "fan": (64, 3),
-        "buttons": (24, 6),
+        "buttons": (32, 6),
     }
     drive = spec.root().instances[0].component
     assert drive == Component(

@@ -89,9 +89,15 @@ BusStatus Component::write(std::uint32_t address, std::uint32_t value, Clock at)
   if (address >= words_.size() || writable_[address] != '1') {
     return BusStatus::error;
   }
+  const Clock answered = offered(address, value, edge);
+  free_at_ = answered + access_clocks;
   advance(edge + 1);  // this edge does not see the new word yet
   write_words_[address] = value;
-  thawed_[address] = 1;
+  if (answered == edge) {
+    thawed_[address] = 1;
+  } else {
+    std::fill(thawed_.begin(), thawed_.end(), 1);
+  }
   written_ = address;
   written_edge_ = edge + 1;
   stored(address, edge);

@@ -44,6 +44,9 @@ class Component : public Bus {
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
   void send_events_to(EventSink sink) { sink_ = std::move(sink); }
 
+  // The state in which the bus may begin another access. The answer of the last one came in the state before.
+  [[nodiscard]] Clock free_at() const noexcept { return free_at_; }
+
   // Does anybody wait for its events or watch an output? Then it must be advanced in time.
   [[nodiscard]] bool is_heard() const noexcept;
   // The next clock at which an event or a watched output may change without an access. Others are computed when
@@ -60,6 +63,9 @@ class Component : public Bus {
   [[nodiscard]] virtual Clock next() const noexcept { return never; }
   // Edge `edge` happens. Edges between two calls change nothing.
   virtual void step(Clock /*edge*/) {}
+  // A write is on the bus from edge `edge` on. Returns the edge that answers it, which is the same one unless the
+  // component lets the bus wait. Such a component has a snapshot of its own, which any write thaws as a whole.
+  virtual Clock offered(std::uint32_t /*address*/, std::uint32_t /*value*/, Clock edge) { return edge; }
   // At `edge` write_word(address) got a value. In the next edge, is_written(address) is true.
   virtual void stored(std::uint32_t /*address*/, Clock /*edge*/) {}
   // An input pin has another level, which edge `edge` is the first to sample.
@@ -69,6 +75,8 @@ class Component : public Bus {
   [[nodiscard]] bool is_written(std::uint32_t address, Clock edge) const noexcept {
     return edge == written_edge_ && address == written_;
   }
+  // Accesses before this state wait for it.
+  void wait_until(Clock state) noexcept { free_at_ = state; }
   // What a read of `address` gives from state edge + 1 on.
   void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
   void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }
