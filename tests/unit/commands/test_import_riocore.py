@@ -152,8 +152,11 @@ def test_many_inputs_and_axes_compile(tmp_path: Path) -> None:
     inputs = [{"type": "bitin", "name": "öffner", "pins": {"bit": f"I{i}"}} for i in range(70)]
     made = importing(tmp_path, {"plugins": [*steppers, *inputs]})
     spec = spec_of(made.text)
-    assert sum(one.component is not None for one in spec.root().instances) == 3
+    assert sum(one.component is not None for one in spec.root().instances) == 5
+    assert "axes=4" in made.text, "a board that we do not know may have a slow clock"
     assert "ADDRESS=16" in made.text
+    fast = import_riocore(str(tmp_path / "robot.json"), "ice40-hx8k")
+    assert fast.text.count("axes=8") == 2
 
 
 STEP = {"type": "stepdir", "pins": {"step": "4", "dir": "2"}}

@@ -12,6 +12,7 @@ from .left_out import KINDS, NO_COMPONENT, left_out
 from .plugins import Plugin, PluginPin
 
 AXES_MOST = 8  # of one stepgen
+AXIS_HZ = 5_600_000  # of the clock, which stepgen needs for each axis
 CHANNELS_MOST = 64  # of one pwm
 CHANGES_MOST = 60  # words in the frame of a publish on change
 SPEED_MOST, ACCELERATION_MOST = 1_048_575, 67_108_800  # of stepgen, in count/s and count/s^2
@@ -42,10 +43,15 @@ class Part:
 
 
 class Parts:
-    """Makes the parts. `notes` gets what has no counterpart. `inches`: lengths of the file are inches."""
+    """Makes the parts.
 
-    def __init__(self, plugins: Sequence[Plugin], notes: list[str], *, inches: bool) -> None:
+    `notes` gets what has no counterpart. `clock_hz` is that of the design. With `inches` the lengths of the
+    file are inches.
+    """
+
+    def __init__(self, plugins: Sequence[Plugin], notes: list[str], *, clock_hz: int, inches: bool) -> None:
         self.plugins, self.notes, self.inches = plugins, notes, inches
+        self.axes_most = max(1, min(AXES_MOST, clock_hz // AXIS_HZ))
         self.names = Names()
         self.found: list[Part] = []
         self.switches = self._switches()
@@ -73,7 +79,7 @@ class Parts:
         for one in plugins:
             scales.setdefault(self._scale(one), []).append(one)
         for scale, same in scales.items():
-            for axes in _chunks(same, AXES_MOST):
+            for axes in _chunks(same, self.axes_most):
                 name = self._name(axes[0].name if len(axes) == 1 else "motors")
                 comments = [f"axis {i} is {one.name}{self._limits(one)}" for i, one in enumerate(axes)]
                 line = f"stepgen(axes={len(axes)}{scale and f', scale={scale}'}, {RATE})"

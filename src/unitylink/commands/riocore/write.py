@@ -23,6 +23,7 @@ from .plugins import Plugin, PluginPin, read_plugins
 
 INVERTED = "/// A pin on which 0 is on.\nenum inverted: u1 { on = 0; off = 1; }\n\n"
 _COLUMNS = 100
+_CLOCK_HZ = 25_000_000  # of a board that we do not know
 
 
 def import_riocore(path: str, board: str | None = None, out: str | None = None) -> Imported:
@@ -44,7 +45,8 @@ def import_riocore(path: str, board: str | None = None, out: str | None = None) 
         notes.append(
             f"boardcfg = {theirs!r}: no board of ours; say --board, or add it (docs/own-fpga-board.md)"
         )
-    parts = Parts(plugins, notes, inches=_inches(document))
+    clock_hz = pins.board.design_hz if pins.board is not None else _CLOCK_HZ
+    parts = Parts(plugins, notes, clock_hz=clock_hz, inches=_inches(document))
     document.text("name"), document.text("description")
     notes += [note for note in left_out(document) if not note.startswith("plugins")]
     name = re.sub(r"\W+", "_", Path(out or path).stem.lower(), flags=re.ASCII).strip("_") or "board"

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page about loops: its program runs, and its table has the rows that the bench measures."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from unit.house.files import ROOT, text
+from unit.modules import module_of
+
+from unitylink import cli
+
+PAGE = text("docs/where-loops-live.md")
+LOOPS = ROOT / "bench" / "loops"
+
+
+@pytest.fixture(scope="module")
+def loops() -> Any:
+    sys.path.insert(0, str(LOOPS))
+    try:
+        yield module_of(LOOPS / "loops.py")
+    finally:
+        sys.path.remove(str(LOOPS))
+
+
+def test_its_program_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (spec,) = re.findall(r"```ul\n(link joint.*?)```", PAGE, re.S)
+    (program,) = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+    Path("joint.ul").write_text(spec, "utf-8")
+    assert cli.main(["generate", "joint.ul"]) == 0
+    Path("move.py").write_text(program.replace("sleep(1)", "sleep(0.3)\n    print(joint.motor.duty.read())"))
+    done = subprocess.run(
+        [sys.executable, "move.py"], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.stdout, done.stderr) == ("0.8\n", ""), (
+        "nothing turns, so the duty is the gain times the target"
+    )
+
+
+def test_its_table_has_the_rows_of_the_bench(loops: Any) -> None:
+    shown = re.findall(r"^\| (.+?) \| (?:no limit|UART, 3 MBd) \| \d+ µs \| \d+ µs \| \d+ µs \|$", PAGE, re.M)
+    assert shown == [what for what, _ in loops.WAYS.values() for _ in loops.BAUDS]
+    clocks = loops.fault_clocks()
+    assert clocks and {f"{one / loops.CLOCK_HZ * 1e9:.0f} ns" for one in clocks} == {"40 ns"}
+    assert "h_bridge at 50 MHz | none | 40 ns | 40 ns | 40 ns |" in PAGE
+
+
+def test_the_bench_measures_a_loop(loops: Any) -> None:
+    found = loops.measure("python-event", 3_000_000, 6, Path())
+    assert len(found) == 6
+    # a publish and a write of at least 9 bytes each are on the line meanwhile
+    assert found[0] > 2 * 9 * 10 / 3 and found[-1] < 1e6 * loops.PATIENCE_S
+
+
+def test_a_program_that_does_not_answer_is_noticed(loops: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loops, "PATIENCE_S", 0.05)
+    spec = loops.load(str(LOOPS / "board.ul"))
+    with loops.Board(spec) as board, pytest.raises(loops.LoopError, match="edge 0: no answer"):
+        loops.answers_us(board, 1)
