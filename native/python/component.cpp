@@ -27,7 +27,9 @@ ComponentConfiguration component_configuration_of(nb::handle from, std::uint32_t
   result.words = nb::cast<std::uint32_t>(from.attr("words"));
   result.data_bits = data_bits;
   for (nb::handle generic : nb::object(from.attr("generics"))) {
-    result.generics.push_back({nb::cast<std::string>(generic[0]), nb::cast<std::int64_t>(generic[1])});
+    const bool is_text = nb::isinstance<nb::str>(generic[1]);
+    result.generics.push_back({nb::cast<std::string>(generic[0]), is_text ? 0 : nb::cast<std::int64_t>(generic[1]),
+                               is_text ? nb::cast<std::string>(generic[1]) : std::string()});
   }
   for (nb::handle pin : nb::object(from.attr("pins"))) {
     const auto bits = nb::cast<std::uint32_t>(pin[2]);
@@ -50,6 +52,9 @@ using Seen = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
 std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end) {
   std::vector<Seen> seen;
   for (std::uint32_t pin = 0; pin < model.outputs().size(); ++pin) {
+    if (model.outputs()[pin].level()) {
+      seen.emplace_back(0, 'o', pin, 1);
+    }
     model.outputs()[pin].watch([&seen, pin](bool level, Clock state) { seen.emplace_back(state, 'o', pin, level); });
   }
   model.send_events_to([&seen](std::uint32_t group, bool high, Clock state) {

@@ -174,7 +174,10 @@ def play_vhdl(
         ports += f",\n      {name} => events({number})"
     text = BENCH.format(
         entity=one.entity,
-        generics=", ".join(f"{name} => {value}" for name, value in one.generics),
+        generics=", ".join(
+            f'{name} => "{value}"' if isinstance(value, str) else f"{name} => {value}"
+            for name, value in one.generics
+        ),
         ports=ports,
         inputs=max(1, width["in"]) - 1,
         outputs=max(1, width["out"]) - 1,
@@ -208,6 +211,8 @@ class Case:
     `values` has, for some addresses, the values that make the component do something. `pause` is the longest
     time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins. `wait` is
     the longest time for which a write waits for its answer, and for which any access waits after the reset.
+    `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
+    a device, if no description has such a one.
     """
 
     arguments: str = ""
@@ -215,6 +220,8 @@ class Case:
     pause: int = 40
     quiet: int = 120
     wait: int = 0
+    device: str = ""
+    program: str = ""
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:

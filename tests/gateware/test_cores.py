@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from unitylink.interface.components import placed_components
+from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
 
 
@@ -95,3 +97,31 @@ def test_netlist(ghdl: Any, tmp_path: Path, entity: str, generics: dict[str, int
 @pytest.mark.parametrize("entity", OTHERS)
 def test_synthesis(ghdl: Any, entity: str) -> None:
     assert f"entity {entity} is" in ghdl.synthesise(entity)
+
+
+def device_program(text: str) -> str:
+    """Return the program of the one device in a spec."""
+    spec = compile_text(f"link l(ADDRESS=8); public a() {{ one: {text}; }}").spec
+    assert spec is not None
+    (component,) = placed_components(spec)
+    return str(dict(component.generics)["program"])
+
+
+@pytest.mark.parametrize(("mode", "sclk_hz"), [(0, 5_000_000), (1, 5_000_000), (2, 1_700_000), (3, 900_000)])
+def test_spi_master(ghdl: Any, mode: int, sclk_hz: int) -> None:
+    ghdl.run("spi_master_tb", mode=mode, sclk_hz=sclk_hz)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_bus_sequencer(ghdl: Any, seed: int) -> None:
+    ghdl.run("bus_sequencer_tb", seed=seed)
+
+
+@pytest.mark.parametrize(
+    ("clock_hz", "sclk_hz", "mode", "data_width"),
+    [(16_000_000, 1_700_000, 3, 32), (8_000_000, 24_000_000, 0, 16)],
+)
+def test_spi_device(ghdl: Any, clock_hz: int, sclk_hz: int, mode: int, data_width: int) -> None:
+    program = device_program("icm42688(period=300 us, start=250 us)")
+    given = {"clock_hz": clock_hz, "sclk_hz": sclk_hz, "mode": mode, "data_width": data_width}
+    ghdl.run("spi_device_tb", program=program, **given)

@@ -21,7 +21,7 @@ class ComponentConfiguration:
     entity: str
     base: int
     words: int
-    generics: tuple[tuple[str, int], ...] = ()
+    generics: tuple[tuple[str, int | str], ...] = ()
     pins: tuple[tuple[str, str, int], ...] = ()
     events: tuple[str, ...] = ()
     event_groups: tuple[int | None, ...] = ()

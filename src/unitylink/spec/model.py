@@ -165,7 +165,7 @@ class Component:
     entity: str
     base: int
     words: int
-    generics: tuple[tuple[str, int], ...] = ()
+    generics: tuple[tuple[str, int | str], ...] = ()
     pins: tuple[tuple[str, str, int], ...] = ()
     events: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()

@@ -129,5 +129,6 @@ def test_library_agrees_with_the_vhdl(name: str) -> None:
         if generic == "clock_hz":
             assert value == 0  # 0 stands for the design's own clock
             continue
-        default = re.search(rf"\b{generic} +:.*:= *([0-9_]+)", generics)
-        assert default is not None and int(default.group(1).replace("_", "")) == value
+        default = re.search(rf'\b{generic} +:.*:= *("\w+"|[0-9_]+)', generics)
+        written = f'"{value}"' if isinstance(value, str) else str(value)
+        assert default is not None and default.group(1).replace("_", "") == written

@@ -80,6 +80,7 @@ BusReply Component::read(std::uint32_t address, Clock at) {
   if (address >= words_.size()) {
     return {BusStatus::error, 0};
   }
+  look(address, start);
   const bool frozen = held_ && snapshot_ && thawed_[address] == 0;
   return {BusStatus::ok, frozen ? frozen_[address] : seen(address, start)};
 }
@@ -105,12 +106,12 @@ BusStatus Component::write(std::uint32_t address, std::uint32_t value, Clock at)
 }
 
 void Component::block(bool held, Clock at) {
+  const Clock start = std::max({at, free_at_, state_});
+  advance(start);
   held_ = held;
   if (!held || !snapshot_) {
     return;
   }
-  const Clock start = std::max({at, free_at_, state_});
-  advance(start);
   for (std::uint32_t address = 0; address < words_.size(); ++address) {
     frozen_[address] = seen(address, start);
     thawed_[address] = 0;
@@ -119,7 +120,11 @@ void Component::block(bool held, Clock at) {
 
 BusReply Component::get(std::uint32_t address, Clock at) {
   advance(at);
-  return address < words_.size() ? BusReply{BusStatus::ok, words_[address].value} : BusReply{BusStatus::error, 0};
+  if (address >= words_.size()) {
+    return {BusStatus::error, 0};
+  }
+  look(address, at);
+  return {BusStatus::ok, words_[address].value};
 }
 
 void Component::drive(std::uint32_t pin, bool level, Clock at) {

@@ -68,6 +68,8 @@ class Component : public Bus {
   virtual Clock offered(std::uint32_t /*address*/, std::uint32_t /*value*/, Clock edge) { return edge; }
   // At `edge` write_word(address) got a value. In the next edge, is_written(address) is true.
   virtual void stored(std::uint32_t /*address*/, Clock /*edge*/) {}
+  // A word that changes with time is about to be read in state `state`. So it need not be set at each of its changes.
+  virtual void look(std::uint32_t /*address*/, Clock /*state*/) {}
   // An input pin has another level, which edge `edge` is the first to sample.
   virtual void driven(std::uint32_t /*pin*/, bool /*level*/, Clock /*edge*/) {}
 
@@ -77,6 +79,8 @@ class Component : public Bus {
   }
   // Accesses before this state wait for it.
   void wait_until(Clock state) noexcept { free_at_ = state; }
+  // Is cyc high at this edge: in an access, or in a block of accesses?
+  [[nodiscard]] bool is_held(Clock edge) const noexcept { return held_ || edge < free_at_; }
   // What a read of `address` gives from state edge + 1 on.
   void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
   void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }

@@ -18,6 +18,7 @@ struct PinConfiguration {
 struct GenericConfiguration {
   std::string name;
   std::int64_t value = 0;
+  std::string text;  // of a generic that is a string
 };
 
 struct ComponentConfiguration {
@@ -38,6 +39,15 @@ struct ComponentConfiguration {
       }
     }
     return otherwise;
+  }
+  // The value of a generic that is a string.
+  [[nodiscard]] std::string text(const char* name) const {
+    for (const GenericConfiguration& one : generics) {
+      if (one.name == name) {
+        return one.text;
+      }
+    }
+    return {};
   }
   [[nodiscard]] std::uint32_t bits(bool input) const noexcept {
     std::uint32_t sum = 0;

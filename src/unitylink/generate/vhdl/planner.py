@@ -194,7 +194,10 @@ class _Planner:
                     f"vhdl: {part.path}: {name} is a keyword of VHDL or Verilog; give it another name"
                 )
         own: dict[str, CodePart] = {"clock_hz": "clock_hz", "data_width": self._data_width()}
-        given: dict[str, CodePart] = {name: own.get(name, value) for name, value in component.generics}
+        given = {
+            name: own.get(name, Vhdl.of('"{}"', value) if isinstance(value, str) else value)
+            for name, value in component.generics
+        }
         pins = []
         for port, direction, bits in component.pins:
             name = ports.claim(f"{part.path}_{port}")

@@ -3,7 +3,8 @@
 
 `@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
 its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
-`@source("pwm.vhd")` names the VHDL of an entity that is not of the library.
+`@source("pwm.vhd")` names the VHDL of an entity that is not of the library. `@sequence`, `@setup` and
+`@cycle` are the program of a device on SPI or I²C (`sequence.py`).
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ from ..annotation import Annotation, AnnotationValue
 from ..model import Component
 from ..text.syntax import AnnotationNode, Notes
 from .evaluate import Evaluator, Value
+from .sequence import KINDS, generics_of
 from .vhdl_source import find_source
 
-RESERVED = ("component", "generic", "pin", "event", "source")
+RESERVED = ("component", "generic", "pin", "event", "source", *KINDS)
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
@@ -57,13 +59,17 @@ def component(
     Return None if it stands for none, or has a mistake.
     """
     entity = ""
-    generics: list[tuple[str, int]] = []
+    generics: list[tuple[str, int | str]] = []
     pins: list[tuple[str, str, int]] = []
     events: list[str] = []
     sources: list[str] = []
+    steps: list[AnnotationNode] = []
     for node in notes.annotations:
         kind = node.name.text
         if kind not in RESERVED:
+            continue
+        if kind in KINDS:
+            steps.append(node)
             continue
         texts = [
             v for a in node.arguments if a.key is None and isinstance(v := evaluator.value(a, names), str)
@@ -96,6 +102,8 @@ def component(
                 pins.append((texts[0], texts[1], bits))
         else:
             _wrong(node, evaluator)
+    if steps:
+        generics += generics_of(steps, evaluator, names)
     if not entity:
         return None
     return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events), tuple(sources))

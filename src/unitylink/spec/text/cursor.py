@@ -13,6 +13,7 @@ from .syntax import Name
 # no member begins with these
 _WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")
 _AHEAD = 64  # the most tokens of a look-ahead; without a limit, many open brackets would take quadratic time
+_NOTES_AHEAD = 1024  # of one over annotations: those of a device on SPI are many
 LINK_KINDS = ("TOSNET", "MEMORY", "DOUBLE_BUFFER", "FIFO")
 ACCESS_WORDS = ("READ", "WRITE", "READWRITE", "W1C", "PULSE", "READCLEAR")
 
@@ -137,7 +138,7 @@ class Cursor:
 
         The search goes only so far ahead.
         """
-        last = i + _AHEAD
+        last = i + _NOTES_AHEAD
         while i < last and self.at_annotation(i):
             i = self.behind_bracket(i + 2)
         return i

@@ -27,9 +27,17 @@ _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 
 
 def component_names() -> tuple[str, ...]:
-    """Return the names of the component library."""
+    """Return the names of the components."""
     folder = resource_folder("components")
     return tuple(sorted(one.name for one in folder.iterdir() if _described(one).is_file()))
+
+
+def device_files() -> dict[str, Path]:
+    """Return the file of each device of the library by its name.
+
+    A device is a file `devices/NAME.ul` in the folder of the component whose entity it uses.
+    """
+    return {one.stem: one for one in sorted(resource_folder("components").glob("*/devices/*.ul"))}
 
 
 def _described(folder: Path) -> Path:
@@ -175,9 +183,13 @@ class Importer:
             for member in one.members
             if isinstance(member, ExpansionNode)
         }
-        folder, library = resource_folder("components"), component_names()
-        for name in sorted(wanted - have):
-            if name in library:
-                path = _described(folder / name)
-                source = self.reporter.sources.add(str(path), path.read_text("utf-8"), library=True)
-                self._merge(parse(self.reporter, source)[0])
+        folder, library, devices = resource_folder("components"), component_names(), device_files()
+        paths = {_described(folder / name): None for name in sorted(wanted - have) if name in library}
+        for name in sorted((wanted - have) & {*devices}):
+            component = _described(devices[name].parent.parent)  # it has types that its devices use
+            if component.stem not in have:
+                paths[component] = None
+            paths[devices[name]] = None
+        for path in paths:
+            source = self.reporter.sources.add(str(path), path.read_text("utf-8"), library=True)
+            self._merge(parse(self.reporter, source)[0])
