@@ -64,7 +64,7 @@ CASES = {
             pause=900,
         ),
         Case("command=0x85, words=5, bytes=4, period=1 ms, sclk_hz=9000000, mode=2", {0: (1,)}, quiet=9),
-        Case("period=900 us, sclk_hz=250000, start=100 us", {0: (1,)}, 300, 1500, "icm42688"),
+        Case("period=900 us, sclk_hz=250000, start=100 us", {0: (1,)}, 300, 1500, device="icm42688"),
         Case("failures_most=2", {0: (0, *[1] * 30)}, 300, 9000, program=CHECKED),
     ),
     "quadrature_encoder": (
