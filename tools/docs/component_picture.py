@@ -12,6 +12,7 @@ from scene import Played, Track, configuration
 from unitylink.values import format_value
 
 WIDTH, ROW, HIGH = 860, 26, 15
+VALUE_ROW = 64
 BOX_LEFT, BOX_RIGHT = 44, 236
 NAMES, LEFT, RIGHT = 300, 400, 830
 COLOURS = {"in": PC, "out": DEVICE, "event": PUBLISH, "value": INK}
@@ -66,7 +67,7 @@ def _height(scene: Played) -> int:
 
 
 def _row(track: Track) -> int:
-    return 2 * ROW if track.kind == "value" else ROW
+    return VALUE_ROW if track.kind == "value" else ROW
 
 
 def _captions(scene: Played) -> list[tuple[float, str]]:
@@ -134,9 +135,9 @@ def _event(picture: Picture, y: float, track: Track, x: Place) -> None:
 def _value(picture: Picture, y: float, track: Track, x: Place) -> None:
     """Draw a number as a line from its least to its largest value, which are written at its left."""
     least, most = min(v for _, v in track.points), max(v for _, v in track.points)
-    picture.text(NAMES, y - ROW + 4, track.name, style=SMALL)
+    picture.text(NAMES, y - VALUE_ROW / 2 + 10, track.name, style=SMALL)
     points, before = [], track.points[0][1]
-    reach = 2 * ROW - 14
+    reach = VALUE_ROW - 14
     for at, value in track.points:
         share = [(one - least) / ((most - least) or 1) * reach for one in (before, value)]
         points += [(x(at), y - share[0]), (x(at), y - share[1])]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Make the gallery of the components:  python tools/docs/gallery.py [--check]
+"""Make the gallery of the components:  python tools/docs/gallery.py [--check] [--record]
 
 Each folder of components/ gives a picture and a section of docs/components.md. The picture has the pins of
-the `.ul`, and the scenes of `picture.toml` as the model of the component plays them. The same folders give
-the same bytes, and --check compares.
+the `.ul`, and the scenes of `picture.toml` as the model of the component plays them. `--record` plays
+components without a model in GHDL first. The same folders give the same bytes, and --check compares.
 """
 
 from __future__ import annotations
@@ -64,7 +64,11 @@ def main() -> int:
     parser.add_argument(
         "--check", action="store_true", help="exit code 1 where a file differs; writes nothing"
     )
+    parser.add_argument("--record", action="store_true", help="play components without a model in GHDL first")
     given = parser.parse_args()
+    for scene in (one for folder in component_folders() for one in scenes(folder)):
+        if given.record and scene.trace is not None:
+            scene.trace.write_text(scene.trace_of_vhdl(), "ascii")
     stale = []
     for path, text in made().items():
         if not path.is_file() or path.read_text("utf-8") != text:

@@ -2,7 +2,8 @@
 """A scene of a component: what is written to it, what its inputs do, and what its pins then do.
 
 `components/NAME/picture.toml` has the scenes of a component. What its pins do comes from its model, the one
-that is compared with the VHDL at every clock.
+that is compared with the VHDL at every clock. A component without a model is played in GHDL, and
+`picture_1.trace` keeps what its first scene gave.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from scene_bench import Stimulus, play_vhdl
 
 from unitylink import _native
 from unitylink.errors import UnityLinkError
@@ -25,7 +28,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-Stimulus = tuple[int, str, int, int]
 KEYS = {"title", "spec", "clock_hz", "from_us", "to_us", "write", "drive", "step_us", "lines", "value"}
 DATA_BITS = 32
 ACCESS_CLOCKS = 4  # from one access to the next
@@ -106,9 +108,8 @@ class Scene:
     def play(self) -> Played:
         """Return what the pins do."""
         found, written, reads = self.stimuli()
-        if not _native.has_component_model(self.one.entity):
-            raise SystemExit(f"{self.where}: {self.one.entity} has no model that could play it")
-        seen = sorted(_native.ComponentModel(self.one).play(found, self._clock(self.to_us) + 1))
+        model = _native.has_component_model(self.one.entity)
+        seen = sorted(_native.ComponentModel(self.one).play(found, self.end)) if model else self._kept()
         accesses = [one for one in found if one[1] in "rw"]
         answers = [one for one in seen if one[1] == "a"]
         values = []
@@ -134,6 +135,30 @@ class Scene:
             tracks.append(Track(self.told["value"], "value", tuple(values), element.unit))
         shown = tuple(one for one in written if self.from_us <= one[0] <= self.to_us)
         return Played(self.told.get("title", ""), self.from_us, self.to_us, shown, tuple(tracks))
+
+    @property
+    def end(self) -> int:
+        """The last clock."""
+        return self._clock(self.to_us) + 1
+
+    @property
+    def trace(self) -> Path | None:
+        """Where the edges are kept that GHDL has seen. None: a model plays the scene."""
+        if _native.has_component_model(self.one.entity):
+            return None
+        return self.folder / f"picture_{self.number + 1}.trace"
+
+    def trace_of_vhdl(self) -> str:
+        """Return what the VHDL gives, a line for each edge and each answer."""
+        seen = play_vhdl(self.one, self.stimuli()[0], self.end)
+        return "".join(f"{clock} {what} {number} {value:x}\n" for clock, what, number, value in seen)
+
+    def _kept(self) -> list[Stimulus]:
+        assert self.trace is not None
+        if not self.trace.is_file():
+            raise SystemExit(f"{self.where}: there is no model; `gallery.py --record` plays the VHDL")
+        rows = (line.split() for line in self.trace.read_text("ascii").splitlines())
+        return [(int(clock), what, int(number), int(value, 16)) for clock, what, number, value in rows]
 
     def _seen(self, name: str, kind: str, what: str, number: int, seen: list[Stimulus]) -> Track:
         points = [(-1.0, 0.0)]

@@ -121,6 +121,7 @@ def test_the_cart() -> None:
     items = dict(spec_of(made.text).walk())
     assert items["left_wheel.position"].scale == -1, "one of its lines is inverted"
     assert items["right_wheel.position"].scale == 0.25
+    assert made.text.count("with_index=1") == 1, "of the one with z"
     assert items["servos.width[1]"].maximum == 2500
     # 0 lights the lamp, on the board and by `invert`: so 1 lights it. The button reads 0 when pressed.
     assert items["lamp"].type.kind == "bool" and items["bumper"].type.name == "inverted"

@@ -203,9 +203,12 @@ class Parts:
             each = "each edge is a count" if divided == 1 else f"a count is {divided} edges"
             comments = [f"{one.name}: {each}, as in riocore"]
             pins = {"a": [one.pins.get("a")], "b": [one.pins.get("b")]}
+            more = ""
             if one.kind == "quadencoderz":
                 pins["index"] = [self._plain(one, "z")]
-            self._add(self._name(one.name), f"quadrature_encoder(scale={scale}, {RATE})", comments, pins)
+                more = ", with_index=1"
+            line = f"quadrature_encoder(scale={scale}, {RATE}{more})"
+            self._add(self._name(one.name), line, comments, pins)
 
     def _inputs(self, plugins: list[Plugin]) -> None:
         changes = 0
