@@ -120,7 +120,6 @@ begin
     assert not has_classic
       report "core_bii: the small engine has frames alone; set protocol to framed" severity failure;
     session_open        <= '0';
-    frame_tx_publish    <= '0';
     framed_subscription <= subscription_request_idle;
 
     framed_small : entity work.framed_small
@@ -129,6 +128,7 @@ begin
         clock => clock, reset => reset,
         frame_valid => frame_valid, frame_ready => frame_ready, frame_data => rx_data, receive_overrun => rx_error(2),
         tx_valid => frame_tx_valid, tx_ready => frame_tx_ready, tx_data => frame_tx_data, tx_last => frame_tx_last,
+        tx_publish => frame_tx_publish, events => events,
         dead_man_request => dead_man_request, dead_man_response => dead_man_response,
         bii_request => framed_bii, bii_response => framed_bii_response);
   end generate;
@@ -210,7 +210,8 @@ begin
     answered          <= bii_response;
   end generate;
 
-  publishing : if settings.publish_mode > 0 generate
+  -- The small engine publishes by itself.
+  publishing : if settings.publish_mode > 0 and engine = engine_fast generate
     subscription_manager : entity work.subscription_manager
       generic map (
         address_width => settings.address_bits, clock_hz => settings.clock_hz, base_hz => settings.base_hz,
@@ -221,7 +222,7 @@ begin
         request => subscription_request, response => subscription_response);
   end generate;
 
-  silence : if settings.publish_mode = 0 generate
+  silence : if settings.publish_mode = 0 or engine = engine_small generate
     subscription_response <= subscription_response_idle;
   end generate;
 

@@ -6,14 +6,14 @@
 --                  | memory of 512  | processor  |
 --            bii <-- word, address  | its CRC    | --> dead-man
 --
--- It has one block RAM for data. The processor uses the memory in the two clocks of its instructions as follows. In the
+-- It has one block RAM for data, or two with publishing. The processor uses the memory in the two clocks of its instructions as follows. In the
 -- first it reads, and a byte that has come in is written. In the second it writes, and a byte that goes out is read. So
 -- bytes come and go beside the program, each at most every second clock.
 --
 -- Ports     As `framed`. It does not stand beside the classic protocol, so there is no session_open, may_begin, wants
---           or busy.
+--           or busy. It publishes by itself: `events` has one line for each group, synchronous to the clock.
 -- Latency   The program checks a frame when its 00 has come. Figures: docs/gateware/framed_small.md.
--- Errors    docs/protocol.md. No lists, exchange groups or publishes; docs/gateware/framed_small.md has the sizes.
+-- Errors    docs/protocol.md. No lists or exchange groups; docs/gateware/framed_small.md has the sizes.
 -- Pressure  A request waits until the reply before it is sent. The ring takes up to 127 bytes meanwhile. Frames in it
 --           are checked, so the dead-man hears them. frame_ready is low while the ring is full.
 
@@ -30,6 +30,7 @@ use work.settings_pkg.all;
 use work.small_instruction_pkg.all;
 use work.small_memory_pkg.all;
 use work.small_program_pkg.all;
+use work.width_pkg.all;
 
 entity framed_small is
   generic (
@@ -48,6 +49,8 @@ entity framed_small is
     tx_ready          : in  std_ulogic;
     tx_data           : out byte_t;
     tx_last           : out std_ulogic;
+    tx_publish        : out std_ulogic;
+    events            : in  std_ulogic_vector(settings.groups - 1 downto 0) := (others => '0');
     dead_man_request  : out dead_man_request_t;
     dead_man_response : in  dead_man_response_t := dead_man_response_idle;
     bii_request       : out bii_request_t;
@@ -59,13 +62,24 @@ architecture rtl of framed_small is
 
   constant s : frame_settings_t := small_settings_of(settings);
 
+  constant publishing   : boolean  := s.groups > 0;
+  constant memory_bits  : positive := bits_for(memory_size(settings));
+
+  function program_of (publishes : boolean) return small_program_t is
+  begin
+    if publishes then
+      return publishing_program;
+    end if;
+    return plain_program;
+  end function;
+
   subtype place_t is unsigned(6 downto 0);  -- within 128 bytes of the memory
 
   constant reply_start : place_t := to_unsigned(small_reply mod 128, 7);
   constant reply_page  : unsigned(1 downto 0) := to_unsigned(small_reply / 128, 2);
   constant ring_page   : unsigned(1 downto 0) := to_unsigned(small_ring / 128, 2);
 
-  signal memory : small_memory_t := memory_content(settings);
+  signal memory : small_memory_t(0 to 2 ** memory_bits - 1) := memory_content(settings);
 
   signal executing, store, put : std_ulogic;
   signal address, pointer      : unsigned(9 downto 0);
@@ -75,7 +89,7 @@ architecture rtl of framed_small is
   signal conditions            : small_conditions_t;
   signal status                : byte_t;
 
-  signal read_address, write_address : unsigned(8 downto 0);
+  signal read_address, write_address : unsigned(9 downto 0);
   signal written                     : byte_t;
   signal writes                      : std_ulogic;
 
@@ -87,11 +101,14 @@ architecture rtl of framed_small is
 
   signal reply_place : place_t := reply_start;
   signal sending, reading, offers, last : std_ulogic := '0';
-  signal goes, ends            : std_ulogic;
+  signal goes, ends, sent      : std_ulogic;
 
   signal crc     : crc16_t := (others => '0');
   signal clocks  : unsigned(15 downto 0) := to_unsigned(clock_start, 16);
   signal turned, overran : std_ulogic := '0';
+  signal wants   : std_ulogic_vector(6 downto 0);  -- of publishing
+  signal alert   : std_ulogic;
+  signal hold    : std_ulogic;
 
   signal word         : word32_t := (others => '0');
   signal word_address : unsigned(8 * s.address_bytes - 1 downto 0) := (others => '0');
@@ -100,15 +117,23 @@ architecture rtl of framed_small is
 
 begin
 
-  assert settings.publish_mode = 0 and not settings.lists and settings.exchanges = 0
-    report "framed_small: it has no publishing, lists and exchange groups; set publish_mode 0, lists false, exchanges 0"
-    severity failure;
+  assert not settings.lists and settings.exchanges = 0
+    report "framed_small: it has no lists and exchange groups; set lists false, exchanges 0" severity failure;
+  assert s.groups <= small_groups_max
+    report "framed_small: groups is " & integer'image(s.groups) & "; it has room for "
+      & integer'image(small_groups_max) severity failure;
+  assert s.group_size <= group_size_most(s)
+    report "framed_small: group_size is " & integer'image(s.group_size) & "; a group has room for "
+      & integer'image(group_size_most(s)) & " words of these widths" severity failure;
+  assert not publishing or s.rate_bytes = small_rate_bytes
+    report "framed_small: rate_bytes is " & integer'image(s.rate_bytes) & "; set it to "
+      & integer'image(small_rate_bytes) severity failure;
   assert settings.window <= small_window_max
     report "framed_small: window is " & integer'image(settings.window) & "; it has places for "
       & integer'image(small_window_max) severity failure;
 
   processor : entity work.byte_processor
-    generic map (program => plain_program)
+    generic map (program => program_of(publishing))
     port map (
       clock => clock, reset => reset, executing => executing, address => address, operand => operand,
       accumulator => accumulator, given => given, pointer => pointer, store => store, put => put,
@@ -116,7 +141,7 @@ begin
       port_number => port_number, port_data => port_data, conditions => conditions);
 
   conditions <= (
-    piece => or pieces, sending => sending, accessing => accessing, alert => turned);
+    piece => or pieces, sending => sending, accessing => accessing, alert => turned or alert);
 
   status <= overran & dead_man_response.uncounted & answer & dead_man_response.tripped_now & full &
             dead_man_response.running & dead_man_response.tripped;
@@ -125,7 +150,8 @@ begin
     word(31 downto 24)             when in_data,
     '1' & crc(6 downto 0)          when in_check,
     status                         when in_status,
-    byte_t(pointer(7 downto 0))    when others;
+    byte_t(pointer(7 downto 0))    when in_x,
+    turned & wants                 when others;
 
   -- The memory: one port reads and one writes, by turns for the program and for the line.
 
@@ -134,17 +160,17 @@ begin
 
   turns : process (all)
   begin
-    read_address  <= address(8 downto 0);
-    write_address <= ring_page & come;
+    read_address  <= address;
+    write_address <= '0' & ring_page & come;
     written       <= frame_data;
     writes        <= accepts;
     if executing = '1' then
-      read_address  <= reply_page & reply_place;
-      write_address <= address(8 downto 0);
+      read_address  <= '0' & reply_page & reply_place;
+      write_address <= address;
       written       <= given;
       writes        <= store or put;
       if put = '1' then
-        write_address <= reply_page & reply_place;
+        write_address <= '0' & reply_page & reply_place;
       end if;
     end if;
   end process;
@@ -153,9 +179,9 @@ begin
   begin
     if rising_edge(clock) then
       if writes = '1' then
-        memory(to_integer(write_address)) <= written;
+        memory(to_integer(write_address(memory_bits - 1 downto 0))) <= written;
       end if;
-      looked <= memory(to_integer(read_address));
+      looked <= memory(to_integer(read_address(memory_bits - 1 downto 0)));
     end if;
   end process;
 
@@ -191,6 +217,7 @@ begin
 
   goes <= reading and not executing and (tx_ready or not offers);
   ends <= nor operand;
+  sent <= goes and ends;
 
   tx_valid <= offers;
   tx_last  <= last;
@@ -214,10 +241,10 @@ begin
       end if;
       if acts(out_send) = '1' then
         sending <= '1';
-      elsif goes = '1' and ends = '1' then
+      elsif sent = '1' then
         sending <= '0';
       end if;
-      if acts(out_send) = '1' or (goes and ends) = '1' or reset = '1' then
+      if acts(out_send) = '1' or sent = '1' or notes(note_again) = '1' or reset = '1' then
         reply_place <= reply_start;
       end if;
       if reset = '1' then
@@ -227,6 +254,35 @@ begin
       end if;
     end if;
   end process;
+
+  -- Publishing.
+
+  publishes : if publishing generate
+    constant groups   : positive := minimum(s.groups, small_groups_max);  -- so that the assertion above speaks
+    signal is_publish : std_ulogic;
+  begin
+    small_publishing : entity work.small_publishing
+      generic map (
+        clock_hz => s.clock_hz, base_hz => s.base_hz, groups => groups, edge_events => settings.edge_events)
+      port map (
+        clock => clock, reset => reset, events => events(groups - 1 downto 0), notes => notes, given => given, sent => sent,
+        wants => wants, alert => alert, hold => hold, is_publish => is_publish);
+
+    -- The last byte is still offered when it was read as `sent`.
+    publish_flag : process (clock)
+    begin
+      if rising_edge(clock) then
+        if goes = '1' then
+          tx_publish <= is_publish;
+        end if;
+      end if;
+    end process;
+  else generate
+    wants      <= (others => '0');
+    alert      <= '0';
+    hold       <= '0';
+    tx_publish <= '0';
+  end generate;
 
   -- CRC and clock.
 
@@ -299,6 +355,7 @@ begin
     bii_request       <= bii_request_idle;
     bii_request.valid <= accessing;
     bii_request.write <= bus_writes;
+    bii_request.block_hold <= hold;
     bii_request.address(s.address_width - 1 downto 0) <= std_ulogic_vector(word_address(s.address_width - 1 downto 0));
     bii_request.data(s.data_width - 1 downto 0)       <= word(s.data_width - 1 downto 0);
   end process;

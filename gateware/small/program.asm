@@ -3,7 +3,7 @@
 ; The program of the small engine: the framed protocol of docs/protocol.md, for framed_small.vhd.
 ;
 ; docs/gateware/framed_small.md explains the instructions. tools/small/assemble.py turns this file into
-; small_program_pkg.vhd and docs/gateware/small-program.md.
+; small_program_pkg.vhd and docs/gateware/small-program.md. There are two programs: with publishing, and without.
 ;
 ;   .at A        the next byte of the data memory       .let NAME = V   a name for a value
 ;   .var NAME N  N bytes of the data memory             #V   the value V    V   the byte at V    [x]   the byte at X
@@ -69,22 +69,46 @@
 .var over               ; the piece at `look` is too long, and its beginning is dropped
 .var paused             ; an OPEN or CLOSE was checked: the next frame is for another session
 .var closing            ; the session ends when the reply is on its way
-.let cleared = closing + 1   ; a reset makes all zero from `time_low` to here
+.var due                ; groups whose rate is reached: group g is bit g
+.var served             ; the group that was published last: its byte in `groups`
+.let cleared = served + 1    ; a reset makes all zero from `time_low` to here
 .var outside            ; zero: the piece is HELLO or OPEN
 .var control            ; number of a control register
 .var controls           ; how many of them
 .var high
 .var low
+.var last_group         ; the highest group: its byte in `groups`
 .at 0x12E
 .var reply 82           ; kind, COBS, check, 00
 .at 0x180
 .var ring 128           ; bytes as they came; a frame that was checked: kind or counter, size, payload
+.at 0x200
+.var groups 192         ; of each group 32 bytes, see below
+.var enabled            ; groups that publish at their event, as bits
+
+; A group: its bit (never written), whether it runs by its rate, strobes so far, rate, sequence, words, addresses.
+; Strobes and rate have the low byte first.
+.let group_bytes = 32
+.let group_runs = 1
+.let group_strobes = 2
+.let group_rate = 4
+.let group_sequence = 6
+.let group_words = 8
+.let groups_max = SMALL_ENGINE_GROUPS_MAX
+.let address_bytes_max = SMALL_ENGINE_GROUP_ADDRESS_BYTES
+.let rate_bytes = SMALL_ENGINE_RATE_BYTES
 
 ; Names for the same bytes in other parts of the program.
 .let end = rest         ; of the reply: behind its payload
 .let found = rest       ; the address of a place
 .let code = barrier_h   ; of the reply: where the code of this block stands
 .let past = barrier_l
+.let group = rest       ; its byte in `groups`
+.let bit = barrier_h    ; of a group
+.let flags = barrier_l  ; of DEFINE_GROUP
+.let wanting = low      ; groups that have something to publish
+.let past_group = kind  ; in `groups`: behind what was copied
+.let group_end = rest   ; of the publish: behind its words
 
 ; A counter is named by its lowest byte, where `bump` begins.
 .let frames = counters + 3
@@ -101,6 +125,8 @@
 .let bus_errors = frames + 4 * (CONTROL_BUS_ERRORS - CONTROL_FRAMES)
 .let bus_timeouts = frames + 4 * (CONTROL_BUS_TIMEOUTS - CONTROL_FRAMES)
 .let receive_overruns = frames + 4 * (CONTROL_RECEIVE_OVERRUNS - CONTROL_FRAMES)
+.let publishes = frames + 4 * (CONTROL_PUBLISHES - CONTROL_FRAMES)
+.let publish_overruns = frames + 4 * (CONTROL_PUBLISH_OVERRUNS - CONTROL_FRAMES)
 .let refused = frames + 4 * (CONTROL_REFUSED - CONTROL_FRAMES)
 .let trips = frames + 4 * (CONTROL_DEADMAN_TRIPS - CONTROL_FRAMES)
 
@@ -114,6 +140,7 @@
 .let longest = request_max + 7           ; bytes between borders, as docs/protocol.md counts them
 .let data = reply + 6                    ; of the reply, behind kind, code, id and posts
 .let not_kept = 0xFF
+.let arm_publishing = 4                  ; of the control register `arm`
 .let not_executed = 0xFF
 
 ; The byte `status`, which the hardware gives.
@@ -125,6 +152,11 @@
 .let bus_silent = 0x20
 .let is_overrun = 0x80
 .let is_uncounted = 0x40
+
+; The byte `wants`, which the hardware gives: what else wants the program.
+.let wants_turn = 0x80
+.let wants_strobe = 0x40
+.let wants_event = 0x3F                  ; the event of group g is bit g
 
 ; ==== Program ====
 
@@ -146,6 +178,11 @@ start:      ldx counters
 ; ---- What is next: the clock, events, a frame to execute, bytes to check
 
 next:       jnalert now
+.if publishing
+            in wants
+            and #wants_turn
+            jz wanted
+.end
             call turn
 now:        in status
             and #is_overrun + is_uncounted
@@ -171,6 +208,9 @@ now:        in status
             xor #REQUEST_KIND_POST ^ REQUEST_KIND_POST_LIST
             jz drop_kind                ; there are no lists
             jsending listen             ; the reply needs its room
+.if publishing
+            jalert next                 ; a publish goes first
+.end
             ld #0
             st repeated
             ld kind
@@ -216,6 +256,10 @@ headed:     in x
             jz sync
             sub #REQUEST_KIND_CLOSE - REQUEST_KIND_SYNC
             jz close
+.if publishing
+            add #REQUEST_KIND_CLOSE - REQUEST_KIND_DEFINE_GROUP
+            jz define_group
+.end
 invalid:    ld #REPLY_STATUS_INVALID
 
 ; Refuse the request with status A: nothing is executed, and no place is taken.
@@ -333,61 +377,8 @@ answer:     call reply_head
 answered:   ld count
             add #data & 0xFF
 
-; ---- Finish the reply, whose payload ends before A: COBS, check, 00
-
-finish:     st end
-            ld #0
-            put                         ; so that the search for zeros ends
-            ld #(reply + 1) & 0xFF
-            st code
-            ldx reply + 2
-encode:     ld [x+]
-            jnz encode
-            in x                        ; X is behind a zero
-            st past
-            sub code
-            sub #1
-            st scratch
-            ld code
-            tax 1
-            ld scratch
-            st [x]
-            ld past
-            tax 1
-            sub #1
-            st code
-            xor end
-            jnz encode
-            ldx reply
-            ld [x]
-            and #0x10                   ; HELLO, OPEN, CLOSED: outside a session
-            jnz sum_outside
-            out crc_clear
-            ld [x+]
-            xor epoch_l
-            out crc
-            ld [x]
-            xor epoch_h
-            out crc
-            jmp sum_next
-sum_outside: call seed
-sum_next:   out [x+]
-            jmp sum_end
-sum:        out crc [x+]
-sum_end:    in x
-            xor end
-            jnz sum
-            in check
-            st [x+]
-            tell check_next
-            in check
-            st [x+]
-            tell check_next
-            in check
-            st [x+]
-            ld #0
-            st [x+]
-            out send
+; Send the reply whose payload ends before A.
+finish:     call seal
             ld closing
             jnz closed
 
@@ -729,6 +720,23 @@ session:    tell renew
             ldx deadman_ticks
             ld #(first_status + 1) & 0xFF
             call clear
+.if publishing
+            note publishing             ; A is zero: off
+            note enabled
+            ldx enabled
+            st [x]
+            ld #0xFF
+            note events_taken
+            ld last_group
+session_group: st scratch
+            or #group_runs
+            tax 2
+            clr [x]
+            ld scratch
+            sub #group_bytes
+            jc session_group
+            ld #0
+.end
             sub window                  ; A is zero; place i holds i - W
             ldx places
 session_place: st [x+]
@@ -979,6 +987,14 @@ seen:       ld #REPLY_STATUS_OK
             in status
             and #is_tripped + is_running
             st arm + 3
+.if publishing
+            ld publish + 3
+            jz arm_seen
+            ld #arm_publishing
+            or arm + 3
+            st arm + 3
+arm_seen:
+.end
             ld control
             xor #CONTROL_TIME_LOW
             jnz now_seen
@@ -1043,6 +1059,11 @@ write_control: ld rest
             call judge
             ld [x+]
             jnz bad_address
+.if publishing
+            ld [x]
+            xor #CONTROL_PUBLISH
+            jz write_publish
+.end
             ld description + 4 * CONTROL_FEATURES + 3
             and #CONTROL_VALUE_FEATURE_DEADMAN
             jz bad_address
@@ -1084,6 +1105,346 @@ controlled: ld #frames
             ld #0
             st count
             jmp executed
+
+; ---- Publishing
+
+.if publishing
+write_publish: ld [x+]
+            ld [x+]                     ; only the values 0 and 1
+            or [x+]
+            or [x+]
+            jnz invalid
+            ld [x]
+            and #0xFE
+            jnz invalid
+            ld [x]
+            xor publish + 3
+            jz controlled               ; it is so already
+            ld [x]
+            st publish + 3
+            note publishing
+            jmp controlled
+
+; DEFINE_GROUP: the form
+
+define_group: ld rest
+            sub #7
+            jnc invalid
+            st rest                     ; bytes of its addresses
+            st controls
+            ld here
+            add #5
+            or #0x80
+            tax 1
+            ld [x+]
+            and #0xFF ^ FRAME_EVENT_FLAG
+            jnz invalid
+            ld [x]                      ; its words
+define_form: jz define_formed
+            st low
+            ld rest
+            sub a_bytes
+            jnc invalid
+            st rest
+            ld low
+            sub #1
+            jmp define_form
+define_formed: ld rest
+            jnz invalid
+            call judge
+            ld [x+]
+            st control
+            sub description + 4 * CONTROL_GROUPS + 1
+            jc no_group
+            ld [x+]
+            or [x+]
+            jnz invalid                 ; a longer rate than two bytes
+            ld [x+]
+            st high
+            ld [x+]
+            st low
+            ld [x+]
+            st flags
+            ld description + 4 * CONTROL_GROUPS + 3
+            sub [x]
+            jnc no_group
+            ld [x+]
+            st count
+            in x
+            st here
+            ld #frames
+            call bump
+
+; DEFINE_GROUP: execute it. The strobes so far stay if the new rate is longer than they are. Nothing is due, because a
+; publish goes before a request.
+
+            ld control
+            st scratch
+            add scratch
+            st scratch
+            add scratch
+            st scratch
+            add scratch
+            st scratch
+            add scratch
+            st scratch
+            add scratch
+            st group
+            tax 2
+            ld [x+]
+            st bit
+            ld [x+]
+            jz define_strobes
+            ld [x+]
+            sub low
+            ld [x]
+            sbc high
+            jnc define_rate
+define_strobes: ld group
+            or #group_strobes
+            tax 2
+            clr [x+]
+            clr [x+]
+define_rate: ld group
+            or #group_rate
+            tax 2
+            ld low
+            st [x+]
+            ld high
+            st [x+]
+            clr [x+]                    ; the sequence begins anew
+            clr [x+]
+            ld count
+            st [x+]
+            in x
+            st past_group
+            ld controls
+            jz define_copied
+define_copy: ld here
+            tax 1
+            ld [x+]
+            st scratch
+            in x
+            st here
+            ld past_group
+            tax 2
+            ld scratch
+            st [x+]
+            in x
+            st past_group
+            ld controls
+            sub #1
+            st controls
+            jnz define_copy
+define_copied: ld group                 ; it runs if it has words and a rate
+            or #group_runs
+            tax 2
+            clr [x]
+            ld count
+            jz define_event
+            ld low
+            or high
+            st [x]
+            ld flags
+define_event: st flags                  ; without words there is no event
+            ld bit
+            note events_taken           ; what came before is not published
+            xor #0xFF
+            ldx enabled
+            and [x]
+            st [x]
+            ld flags
+            jz define_enabled
+            ld [x]
+            or bit
+            st [x]
+define_enabled: ld [x]
+            note enabled
+            ld #0
+            st count
+            jmp executed
+no_group:   ld #REPLY_STATUS_NO_GROUP
+            jmp refuse
+
+; Publishing wants the program: a strobe, an event, a group that is due
+
+wanted:     in wants
+            and #wants_strobe
+            jnz strobe
+            jsending now                ; a publish needs the room of the reply
+            in wants
+            and #wants_event
+            or due
+            st wanting
+            jnz choose
+            jmp now
+
+; A strobe: one more for each group that runs
+
+strobe:     note strobe_taken
+            ld last_group
+scan:       st group
+            tax 2
+            ld [x+]
+            st bit
+            ld [x+]
+            jz scan_next
+            ld [x]
+            add #1
+            st [x+]
+            st low
+            ld [x]
+            adc #0
+            st [x+]
+            st high
+            ld low
+            xor [x+]
+            jnz scan_next
+            ld high
+            xor [x]
+            jnz scan_next
+            ld group                    ; the rate is reached
+            or #group_strobes
+            tax 2
+            clr [x+]
+            clr [x]
+            ld due
+            and bit
+            jz scan_due
+            ld #publish_overruns        ; it was due before
+            call bump
+scan_due:   ld due
+            or bit
+            st due
+            note due
+scan_next:  ld group
+            sub #group_bytes
+            jc scan
+            jmp next
+
+; Publish a group: the next one that wants it, downwards and around
+
+choose:     ld served
+            sub #group_bytes
+            jc chosen
+            ld last_group
+chosen:     st served
+            tax 2
+            ld [x]
+            and wanting
+            jz choose
+            st bit
+            and due
+            jz by_event
+            xor due
+            st due
+            note due
+            jmp publish_group
+by_event:   ld bit
+            note events_taken
+publish_group: ld #DEVICE_KIND_PUBLISH
+            put
+            put                         ; the place of the code
+            ld served                   ; its number, turned from the upper three bits into the lower ones
+            st scratch
+            add scratch
+            adc #0
+            st scratch
+            add scratch
+            adc #0
+            st scratch
+            add scratch
+            adc #0
+            put
+            ld served
+            or #group_sequence
+            tax 2
+            ld #2
+            call put_bytes
+            ld [x+]
+            st count
+            in x
+            st here
+            ld #(reply + 2 + 7) & 0xFF
+            st group_end
+stamp:      out time
+            in wants
+            and #wants_turn
+            jz stamped
+            call turn                   ; count the turn first
+            jmp stamp
+stamped:    ld turns + 1
+            put
+            ld turns
+            put
+            in data
+            put
+            out shift_data
+            in data
+            put
+            ld #1
+            note hold
+            ld here
+            tax 2
+publish_word: ld a_bytes
+            call take_address
+            out read
+            call await
+            jnz publish_fails
+            ld group_end
+            add d_bytes
+            st group_end
+            ld #4                       ; the word is in the low bytes of `data`
+            sub d_bytes
+            jz publish_bytes
+publish_align: out shift_data
+            sub #1
+            jnz publish_align
+publish_bytes: ld d_bytes
+publish_byte: st scratch
+            in data
+            put
+            out shift_data
+            ld scratch
+            sub #1
+            jnz publish_byte
+            ld count
+            sub #1
+            st count
+            jnz publish_word
+            note hold                   ; A is zero: the bus is free
+            ld served
+            or #group_sequence + 1
+            tax 2
+            ld [x]
+            add #1
+            st [x]
+            jnc publish_counted
+            ld served
+            or #group_sequence
+            tax 2
+            ld [x]
+            add #1
+            st [x]
+publish_counted: ld #publishes
+            call bump
+            note publish
+            ld group_end
+            call seal
+            jmp next
+
+; A word could not be read: nothing is sent.
+publish_fails: xor #bus_silent
+            jz publish_silent
+            ld #bus_errors
+            jmp publish_failed
+publish_silent: ld #bus_timeouts
+publish_failed: call bump
+            note again
+            ld #0
+            note hold
+            jmp next
+.end
 
 ; ---- Shared routines
 
@@ -1160,6 +1521,67 @@ reply_head: ld status
 put_bytes:  put [x+]                    ; put A bytes from X on
             sub #1
             jnz put_bytes
+            ret
+
+; Send the reply, or the publish, whose payload ends before A: COBS, check, 00.
+seal:       st end
+            ld #0
+            put                         ; so that the search for zeros ends
+            ld #(reply + 1) & 0xFF
+            st code
+            ldx reply + 2
+encode:     ld [x+]
+            jnz encode
+            in x                        ; X is behind a zero
+            st past
+            sub code
+            sub #1
+            st scratch
+            ld code
+            tax 1
+            ld scratch
+            st [x]
+            ld past
+            tax 1
+            sub #1
+            st code
+            xor end
+            jnz encode
+            ldx reply
+            ld [x]
+.if publishing
+            xor #DEVICE_KIND_PUBLISH
+            jz sum_session
+            ld [x]
+.end
+            and #0x10                   ; HELLO, OPEN, CLOSED: outside a session
+            jnz sum_outside
+sum_session: out crc_clear
+            ld [x+]
+            xor epoch_l
+            out crc
+            ld [x]
+            xor epoch_h
+            out crc
+            jmp sum_next
+sum_outside: call seed
+sum_next:   out [x+]
+            jmp sum_end
+sum:        out crc [x+]
+sum_end:    in x
+            xor end
+            jnz sum
+            in check
+            st [x+]
+            tell check_next
+            in check
+            st [x+]
+            tell check_next
+            in check
+            st [x+]
+            ld #0
+            st [x+]
+            out send
             ret
 
 ; Begin a CRC outside a session: over kind and first code, which are XORed with the first value instead.

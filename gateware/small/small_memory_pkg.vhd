@@ -14,10 +14,16 @@ use work.small_program_pkg.all;
 
 package small_memory_pkg is
 
-  type small_memory_t is array (0 to 511) of byte_t;
+  type small_memory_t is array (natural range <>) of byte_t;
+
+  -- Bytes of the memory: publishing needs twice as many.
+  function memory_size(settings : settings_t) return positive;
 
   -- The settings of the framed protocol with the sizes of this engine.
   function small_settings_of(settings : settings_t) return frame_settings_t;
+
+  -- The most words of a group: its record has room for them, and so has a publish.
+  function group_size_most(s : frame_settings_t) return natural;
 
   function memory_content(settings : settings_t) return small_memory_t;
 
@@ -35,10 +41,23 @@ package body small_memory_pkg is
     return s;
   end function;
 
+  function memory_size(settings : settings_t) return positive is
+  begin
+    if settings.publish_mode > 0 then
+      return 1024;
+    end if;
+    return 512;
+  end function;
+
+  function group_size_most(s : frame_settings_t) return natural is
+  begin
+    return minimum(small_address_bytes_max / s.address_bytes, (small_reply_max - 7) / s.data_bytes);
+  end function;
+
   function memory_content(settings : settings_t) return small_memory_t is
     constant s        : frame_settings_t := small_settings_of(settings);
     constant words    : word_memory_t := memory_content(s);
-    variable content  : small_memory_t := (others => (others => '0'));
+    variable content  : small_memory_t(0 to memory_size(settings) - 1) := (others => (others => '0'));
 
     procedure set(place : natural; value : natural) is
     begin
@@ -56,6 +75,12 @@ package body small_memory_pkg is
     set(small_window_mask, s.window - 1);
     set(small_post_size, 8 + s.address_bytes + s.data_bytes);
     set(small_write_bytes, s.address_bytes + s.data_bytes);
+    if s.groups > 0 then
+      set(small_last_group, small_group_bytes * (s.groups - 1));
+      for g in 0 to minimum(s.groups, small_groups_max) - 1 loop
+        set(small_groups + small_group_bytes * g, 2 ** g);  -- its bit
+      end loop;
+    end if;
     return content;
   end function;
 

@@ -16,7 +16,10 @@ entity framed_small_tb is
   generic (
     window       : positive := 8;
     lists        : boolean  := false;
-    publish_mode : natural  := 0
+    publish_mode : natural  := 0;
+    groups       : positive := 16;
+    group_size   : positive := 32;
+    rate_bytes   : positive := 2
   );
 end entity;
 
@@ -24,7 +27,7 @@ architecture bench of framed_small_tb is
 
   constant settings : settings_t := core_settings(
     protocol => protocol_framed, publish_mode => publish_mode, exchanges => 0, lists => lists,
-    deadman => false, window => window);
+    groups => groups, group_size => group_size, rate_bytes => rate_bytes, deadman => false, window => window);
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -156,3 +158,10 @@ class Designs:
 def designs(ghdl: Ghdl, tmp_path: Path) -> Designs:
     """Generated designs in a folder of their own."""
     return Designs(type(ghdl), tmp_path)
+
+
+@pytest.fixture
+def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Import tools/small/assemble.py, which is no package."""
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "tools" / "small"))
+    return importlib.import_module("assemble")

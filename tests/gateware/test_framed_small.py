@@ -7,7 +7,6 @@ Some tests need time, which the reference does not have.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,20 +19,19 @@ from reference.device import ReferenceDevice
 from reference.framing import Frame, field
 from reference.host import EPOCH, ask, frames_of, opening, without_clock
 from reference.scenario import Scenario
-from reference.settings import Settings
 from reference.small_engine import small_settings
 
+from tests.gateware.small_core import BAD, SILENCE, play
 from unitylink import protocol as p
-from unitylink.interface.board_configuration import BoardConfiguration
 
-BAD = 0x38  # four addresses answer with an error, and the next four do not answer
-SILENCE = 3000  # clocks; longer than any pause within the answers to a step
 TICK = 5000  # clocks
 LINE = 40  # clocks of a byte on the fastest line that the engine is made for
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "framed_small.md"
 
 
-@pytest.mark.parametrize("bench", ["byte_processor_tb", "framed_small_tb", "small_clock_tb"])
+@pytest.mark.parametrize(
+    "bench", ["byte_processor_tb", "framed_small_tb", "small_clock_tb", "small_publishing_tb"]
+)
 def test_bench(ghdl: Any, bench: str) -> None:
     ghdl.run(bench)
 
@@ -50,8 +48,13 @@ def test_what_is_synthesised_does_the_same(ghdl: Any, tmp_path: Path) -> None:
     ("generics", "message"),
     [
         ({"window": 16}, "window is 16; it has places for 8"),
-        ({"lists": True}, "set publish_mode 0, lists false, exchanges 0"),
-        ({"publish_mode": 1}, "set publish_mode 0, lists false, exchanges 0"),
+        ({"lists": True}, "set lists false, exchanges 0"),
+        ({"publish_mode": 2, "groups": 7, "group_size": 5}, "groups is 7; it has room for 6"),
+        (
+            {"publish_mode": 2, "groups": 1, "group_size": 18},
+            "group_size is 18; a group has room for 17 words of these widths",
+        ),
+        ({"publish_mode": 2, "groups": 1, "group_size": 5, "rate_bytes": 3}, "rate_bytes is 3; set it to 2"),
     ],
 )
 def test_what_it_does_not_have_is_refused(ghdl: Any, generics: dict[str, Any], message: str) -> None:
@@ -60,24 +63,6 @@ def test_what_it_does_not_have_is_refused(ghdl: Any, generics: dict[str, Any], m
 
 def test_a_program_of_another_length_is_refused(ghdl: Any) -> None:
     ghdl.refuse("byte_processor_tb", "a program has 1024 or 2048 instructions", length=512)
-
-
-def play(rtl: Any, settings: Settings, steps: Sequence[Any], **generics: Any) -> list[bytes]:
-    """Return what the core answers to each step.
-
-    A step is bytes, sent until all is quiet, or a step of the bench.
-    """
-    configuration = BoardConfiguration(
-        address_bits=8 * settings.a, data_bits=8 * settings.d, base_hz=settings.base_hz, groups=1
-    )
-    exchanges = [
-        [("send", step.decode("latin-1")), ("quiet", SILENCE)] if isinstance(step, bytes) else [step]
-        for step in steps
-    ]
-    own = {"engine": "small", "protocol": "framed", "lists": False, "exchanges": 0, "publish_mode": 0}
-    own |= {"window": settings.window, "bad_base": BAD, "recorded": 0}
-    answers: list[bytes] = rtl(configuration, exchanges, **{**own, **generics})
-    return answers
 
 
 RUNS = [  # seed, window, generics
@@ -228,7 +213,7 @@ def test_replies_tell_truly_what_was_written_at_a_trip(rtl: Any) -> None:
         start = say(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1, 4))
         posts = [say(p.REQUEST_KIND_POST, (n, 2), (places[n], 2), (number, 4)) for n in range(2)]
         write = say(p.REQUEST_KIND_WRITE, (2, 2), (places[2], 2), (number, 4))
-        steps += [opening(number + 1, epoch) + arm, ("wait", 131 * number)]
+        steps += [opening(number + 1, epoch) + arm, ("wait", 149 * number)]
         steps += [start + b"".join(posts) + write, say(p.REQUEST_KIND_SYNC, (3, 2))]
     answers = play(rtl, settings, steps, bus_waits=4)
     values = [value & 0xFFFFFFFF for kind, _, value in rtl.times if kind == "v"]

@@ -6,11 +6,9 @@ They must also notice mistakes in it.
 
 from __future__ import annotations
 
-import importlib
 import random
 from collections.abc import Iterator
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -23,22 +21,13 @@ from reference.scenario import Scenario
 from reference.settings import Settings
 from reference.small_engine import SmallEngine, small_settings
 
+from tests.gateware.mistakes import SOURCE, with_mistake
 from unitylink import protocol as p
-from unitylink.gateware import gateware_folder
 from unitylink.layer2_message import Link
 
-SOURCE = gateware_folder() / "small" / "program.asm"
-TOOLS = Path(__file__).resolve().parents[2] / "tools"
 WIDTHS = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)]
 BAD = {0x38: p.REPLY_STATUS_BUS_ERROR, 0x39: p.REPLY_STATUS_BUS_TIMEOUT}
 SAFE = ((0x10, 1), (0x11, 0xFF))
-
-
-@pytest.fixture
-def assembler(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Import tools/small/assemble.py, which is no package."""
-    monkeypatch.syspath_prepend(str(TOOLS / "small"))
-    return importlib.import_module("assemble")
 
 
 def test_the_files_made_from_the_program_are_not_stale(assembler: Any) -> None:
@@ -216,12 +205,6 @@ def test_counters_stop_at_their_most(assembler: Any) -> None:
     assert frame.payload[4:].hex() == "00010000"
 
 
-def squeeze(text: str) -> str:
-    """Return the instructions of a source without comments and blanks, so that a test can name some."""
-    lines = (" ".join(line.partition(";")[0].split()) for line in text.splitlines())
-    return "; ".join(line for line in lines if line)
-
-
 MISTAKES = {  # what the program forgets: (from, to)
     "to clear the counters at a reset": ("ldx counters; ld #nonce_h; call clear; ", ""),
     "to end the session at a reset": ("ld #0xFF; st epoch_h; st epoch_l; next:", "next:"),
@@ -276,10 +259,7 @@ def test_a_frame_with_two_wrong_bits_does_nothing(assembler: Any) -> None:
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> None:
-    before, behind = MISTAKES[mistake]
-    text = squeeze(SOURCE.read_text(encoding="utf-8"))
-    assert text.count(before) == 1, "the program has changed: choose the place anew"
-    program = assembler.assemble(text.replace(before, behind).replace("; ", "\n"))
+    program = with_mistake(assembler, *MISTAKES[mistake])
 
     def noticed(seed: int) -> bool:
         try:

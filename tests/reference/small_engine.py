@@ -30,12 +30,16 @@ class Program(Protocol):
 def memory_of(settings: Settings, names: dict[str, int]) -> bytearray:
     """Return the data memory at power-up, as it is in small_memory_pkg.vhd."""
     s = settings
-    memory = bytearray(512)
+    memory = bytearray(1024)
     for register, value in s.description().items():
         memory[4 * register : 4 * register + 4] = value.to_bytes(4, "big")
     known = {"a_bytes": s.a, "d_bytes": s.d, "window": s.window, "window_mask": s.window - 1}
     for name, value in {**known, "post_size": 8 + s.a + s.d, "write_bytes": s.a + s.d}.items():
         memory[names[name]] = value
+    if s.groups:
+        memory[names["last_group"]] = names["group_bytes"] * (s.groups - 1)
+    for group in range(s.groups):
+        memory[names["groups"] + names["group_bytes"] * group] = 1 << group
     return memory
 
 
@@ -63,19 +67,39 @@ class SmallEngine:
         self.waiting = bytearray()
         self.sent = bytearray()
         self.at_border = self.inside = False
+        self.strobes = self.events = self.enabled = self.due = 0
+        self.publishing = self.holding = False
+        self.held: list[bool] = []  # at each read of a publish: whether it keeps the bus
 
     def feed(self, data: bytes) -> bytes:
         """Return what the engine sends for these bytes."""
+        self._receive_later(data)
+        return self._run()
+
+    def strobe(self, count: int = 1) -> bytes:
+        """Return what it sends after `count` base strobes that came at once."""
+        self.strobes += count if self.publishing else 0
+        return self._run()
+
+    def event(self, groups: int) -> bytes:
+        """Return what it sends after an edge of the event inputs of `groups`, as bits."""
+        self.events |= groups & self.enabled
+        return self._run()
+
+    def _receive_later(self, data: bytes) -> None:
         for byte in data:
             if self.inside or (self.at_border and byte & 0x80):
                 self.waiting.append(byte)
                 self.inside = byte != 0
             self.at_border = byte == 0
+
+    def _run(self) -> bytes:
+        """Return what it sends until it has nothing to do."""
         self.sent = bytearray()
         idle, looked = self.program.labels["none"], 0
         for _ in range(STEPS_MOST):
             self._receive()
-            looked += self.position == idle and not self.waiting and not self.sending
+            looked += self.position == idle and not (self.waiting or self.sending or self._alert())
             if looked > 2:
                 return bytes(self.sent)
             self._step()
@@ -106,13 +130,16 @@ class SmallEngine:
             total = self.a + added + [0, self.carry, 1, self.carry][operation - 4]
             self.a, self.carry = total & 255, total >> 8
         elif operation == 8:
-            self.a = [self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255][address & 7]
+            wants = (self.strobes > 0) << 6 | self.events
+            ports = (self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255, wants)
+            self.a = ports[address & 7]
         elif operation == 9:
             self.memory[place] = self.a
         elif operation == 10:
             self.x = (mode & 2) << 8 | (address if mode & 1 else address & 256 | self.a)
             return
         elif operation == 11:
+            assert not self.sending, "the reply before has not been sent"
             self.memory[self.put_at] = given
             self.put_at += 1
         elif operation == 12:
@@ -132,8 +159,8 @@ class SmallEngine:
             self.position = self.stack.pop(0)
             self.stack.append(self.stack[-1])
             return
-        alert = False
-        holds = (True, self.a == 0, bool(self.carry), self.pieces > 0, self.sending > 0, False, alert, True)
+        asked = (self.pieces > 0, self.sending > 0, False, self._alert())
+        holds = (True, self.a == 0, bool(self.carry), *asked, True)
         if holds[condition] != bool(inverted):
             if condition == 7:
                 self.stack = [self.position, self.stack[0]]
@@ -181,9 +208,25 @@ class SmallEngine:
         if actions & 256:
             self.crc >>= 7
 
+    def _alert(self) -> bool:
+        return self.strobes > 0 or (self.publishing and bool(self.events or self.due))
+
     def _note(self, actions: int, given: int) -> None:
-        if actions & 1:
-            self.pieces -= 1
+        self.pieces -= actions & 1
+        self.strobes -= actions >> 1 & 1
+        if actions & 4:
+            self.events &= ~given
+        if actions & 8:
+            self.enabled = given & (1 << self.settings.groups) - 1
+        if actions & 16:
+            self.publishing = bool(given & 1)
+            self.strobes = given & 1  # the first one comes at once
+        if actions & 32:
+            self.due = given
+        if actions & 64:
+            self.holding = bool(given & 1)
+        if actions & 128:
+            self.put_at = self.reply_start
 
     def _access(self, *, writes: bool) -> None:
         self.answer = 0
@@ -193,13 +236,18 @@ class SmallEngine:
             elif writes:
                 self.bus.write(self.address, self.word & (1 << 8 * self.settings.d) - 1)
             else:
+                if self.memory[self.reply_start] == p.DEVICE_KIND_PUBLISH:
+                    self.held.append(self.holding)
                 self.word = self.bus.read(self.address)
         except BusError as error:
             self.answer = error.status
 
 
-def small_settings(a: int = 2, d: int = 4, window: int = 8, **others: Any) -> Settings:
+def small_settings(a: int = 2, d: int = 4, window: int = 8, groups: int = 0, **others: Any) -> Settings:
     """Return the settings that a device with the small engine reports."""
     sizes = {"credit": 96, "request_max": 32, "reply_max": 76, "cache": 8, "window": window}
-    has = {"groups": 0, "group_size": 0, "exchanges": 0, "exchange_size": 16, "lists": False}
-    return Settings(a, d, **{**sizes, **has, "features": p.CONTROL_VALUE_FEATURE_DEADMAN, **others})
+    most = min(p.SMALL_ENGINE_GROUP_ADDRESS_BYTES // a, (p.SMALL_ENGINE_REPLY_MAX - 7) // d)
+    has = {"groups": groups, "group_size": most if groups else 0}
+    lacks = {"exchanges": 0, "exchange_size": 16, "lists": False}
+    features = p.CONTROL_VALUE_FEATURE_DEADMAN | (p.CONTROL_VALUE_FEATURE_PUBLISHING if groups else 0)
+    return Settings(a, d, **{**sizes, **has, **lacks, "features": features, **others})

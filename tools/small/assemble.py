@@ -62,7 +62,8 @@ MODES = {"[x]": 2, "[x+]": 3}
 # gateware/small/small_memory_pkg.vhd and framed_small.vhd need these values.
 TOLD = (
     "description", "a_bytes", "d_bytes", "window", "window_mask", "post_size", "write_bytes", "reply", "ring",
-    "request_max", "reply_max", "credit", "cache_bytes", "window_max",
+    "request_max", "reply_max", "credit", "cache_bytes", "window_max", "groups", "group_bytes", "groups_max",
+    "last_group", "address_bytes_max", "rate_bytes",
 )  # fmt: skip
 
 

@@ -48,6 +48,8 @@ SMALL_ENGINE = {
     "window": 8,
 }
 
+SMALL_GROUPS = {"publish_mode": 2, "groups": 2, "group_size": 16}
+
 
 def _smaller(name: str, what: str, **settings: int | bool) -> Row:
     """Return a row that is measured only for its cells. It is placed once, on one chip."""
@@ -93,9 +95,24 @@ ROWS = (
     ),
     Row(
         "small",
-        "the same with the dead-man: all that the small engine has",
+        "the same with the dead-man",
         settings=SMALL_ENGINE,
         engine="small",
+    ),
+    Row(
+        "small_publishing_minimal",
+        "`small_minimal` with publishing: two groups of 16",
+        settings={**SMALL_ENGINE, **SMALL_GROUPS, "deadman": False},
+        engine="small",
+        cells_most=900,
+        mhz_least=100.0,
+    ),
+    Row(
+        "small_publishing",
+        "the same with the dead-man and four groups: all that the small engine has",
+        settings={**SMALL_ENGINE, **SMALL_GROUPS, "groups": 4},
+        engine="small",
+        cells_most=900,
     ),
     Row("framed", "framed alone, with all features", settings={"protocol": "framed"}, mhz_least=48.0),
     Row(

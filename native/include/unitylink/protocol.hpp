@@ -142,6 +142,9 @@ inline constexpr std::uint32_t credit = 96;
 inline constexpr std::uint32_t cache_bytes = 8;
 inline constexpr std::uint32_t window_max = 8;
 inline constexpr std::uint32_t byte_clocks_min = 43;
+inline constexpr std::uint32_t groups_max = 6;
+inline constexpr std::uint32_t group_address_bytes = 23;
+inline constexpr std::uint32_t rate_bytes = 2;
 }  // namespace small_engine
 
 namespace tosnet {
