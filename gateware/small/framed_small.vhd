@@ -6,9 +6,9 @@
 --                  | memory of 512  | processor  |
 --            bii <-- word, address  | its CRC    | --> dead-man
 --
--- It has one block RAM for data, or two with publishing. The processor uses the memory in the two clocks of its instructions as follows. In the
--- first it reads, and a byte that has come in is written. In the second it writes, and a byte that goes out is read. So
--- bytes come and go beside the program, each at most every second clock.
+-- It has one block RAM for data, or two with publishing. The processor uses the memory in the two clocks of its
+-- instructions as follows. In the first it reads, and a byte that has come in is written. In the second it writes, and
+-- a byte that goes out is read. So bytes come and go beside the program, each at most every second clock.
 --
 -- Ports     As `framed`. It does not stand beside the classic protocol, so there is no session_open, may_begin, wants
 --           or busy. It publishes by itself: `events` has one line for each group, synchronous to the clock.
@@ -265,8 +265,8 @@ begin
       generic map (
         clock_hz => s.clock_hz, base_hz => s.base_hz, groups => groups, edge_events => settings.edge_events)
       port map (
-        clock => clock, reset => reset, events => events(groups - 1 downto 0), notes => notes, given => given, sent => sent,
-        wants => wants, alert => alert, hold => hold, is_publish => is_publish);
+        clock => clock, reset => reset, events => events(groups - 1 downto 0), notes => notes, given => given,
+        sent => sent, wants => wants, alert => alert, hold => hold, is_publish => is_publish);
 
     -- The last byte is still offered when it was read as `sent`.
     publish_flag : process (clock)

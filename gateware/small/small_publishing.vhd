@@ -6,8 +6,8 @@
 -- until the program takes them. An event is kept until the program takes it.
 --
 -- Ports     events: one line for each group, synchronous to the clock. notes, given: the actions of byte_processor.
---           wants: bit 6 a strobe waits; bit g an event of group g waits. alert: the program must look. While publishing
---           is off, events alert nobody.
+--           wants: bit 6 a strobe waits; bit g an event of group g waits. alert: the program must look. While
+--           publishing is off, events alert nobody.
 --           hold: keep the bus. is_publish: the reply that is being sent is a publish; `sent` ends this.
 -- Latency   From an event input or a strobe to `alert`: 2 clocks.
 -- Errors    15 strobes may wait. More are lost, and with them the publishes that they are for. The program is not away
