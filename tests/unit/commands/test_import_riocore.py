@@ -141,11 +141,54 @@ def test_the_lathe_is_on_no_board_of_ours() -> None:
     assert {"signal_pin", "e_stop", "e_stop_2"} <= set(items)
     assert made.build == "" and "// stepdir1_direction is 33\n" in made.text
     assert any("boardcfg = 'TangNano9K': no board of ours" in one for one in made.notes)
+    assert any(one.startswith("modules: wiring that is not in this file") for one in made.notes)
+    assert not any("_note" in one for one in made.notes), "riocore ignores such keys"
     elsewhere = import_riocore(str(FILES / "lathe.json"), "icebreaker")
     assert "--board icebreaker" in elsewhere.build and "chuck_step=LED3" in elsewhere.build  # its pin 25
     assert any("J1:STEP: say --pin cross_step=PIN" in one for one in elsewhere.notes)
     with pytest.raises(BoardError, match="no board is called 'icebraker'"):
         import_riocore(str(FILES / "lathe.json"), "icebraker")
+
+
+def test_polarity_of_an_output(tmp_path: Path) -> None:
+    """The word is the level of the pin. SAFE is what `onerror` holds the pin at, and otherwise off."""
+    error, turned, high = {"type": "onerror"}, {"type": "invert"}, {"type": "onerror", "invert": True}
+    pipelines: list[tuple[list[Any], int]] = [
+        ([], 0),
+        ([turned], 1),
+        ([error], 0),
+        ([high], 1),
+        ([turned, error], 0),
+        ([error, turned], 1),
+        ([turned, error, turned], 1),
+    ]
+    outputs = [
+        {"type": "bitout", "name": f"out{i}", "pins": {"bit": {"pin": str(i), "modifier": told}}}
+        for i, (told, _) in enumerate(pipelines)
+    ]
+    items = dict(spec_of(importing(tmp_path, {"plugins": outputs}).text).walk())
+    for number, (told, safe) in enumerate(pipelines):
+        assert items[f"out{number}"].safe == safe, told
+        assert (items[f"out{number}"].type.kind == "enum") == (told.count(turned) == 1)
+
+
+def test_an_encoder_with_two_inverted_lines_keeps_its_direction(tmp_path: Path) -> None:
+    lines = {line: {"pin": line, "modifier": [{"type": "invert"}]} for line in "ab"}
+    made = importing(tmp_path, {"plugins": [{"type": "quadencoder", "name": "e", "pins": lines}]})
+    assert dict(spec_of(made.text).walk())["e.position"].scale == 0.25
+
+
+def test_a_switch_of_a_joint_that_is_not_certain_stays_a_word(tmp_path: Path) -> None:
+    joints = [{**STEP, "name": axis, "axis": axis, "is_joint": True} for axis in "ZX"]
+    switch = {
+        "type": "bitin",
+        "name": "home",
+        "pins": {"bit": "9"},
+        "signals": {"bit": {"net": "joint.0.home-sw-in"}},
+    }
+    made = importing(tmp_path, {"plugins": [*joints, switch]})
+    assert "@home = 0x0: bool READ" in made.text
+    assert any("plugins[2] (bitin home): joint 0 is not certain" in one for one in made.notes)
 
 
 def test_many_inputs_and_axes_compile(tmp_path: Path) -> None:

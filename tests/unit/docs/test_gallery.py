@@ -45,6 +45,7 @@ def test_the_gallery_is_that_of_the_components(gallery: Any) -> None:
 def test_a_component_has_a_line_a_page_and_a_picture(name: str) -> None:
     page = text("docs/components.md")
     assert f"### [{name}](../components/{name}/README.md)" in page and f": {name}(" in page
+    assert f"]({name}.svg)" in text(f"components/{name}/README.md")
     picture = ElementTree.parse(ROOT / "components" / name / f"{name}.svg")
     texts = {"".join(one.itertext()) for one in picture.iter("{http://www.w3.org/2000/svg}text")}
     described = text(f"components/{name}/{name}.ul")

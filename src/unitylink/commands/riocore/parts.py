@@ -127,6 +127,7 @@ class Parts:
 
     def _switches(self) -> dict[tuple[int, str], Plugin]:
         """Return which bitin is a switch of which joint, by (joint, input of stepgen)."""
+        # LinuxCNC numbers joints. The file has them in some order, and each may have an axis.
         in_file = [one for one in self.plugins if one.joint is not None]
         by_axis = sorted(in_file, key=lambda one: (_AXES + " ").find(one.node.text("axis", " ").upper()[0]))
         found: dict[tuple[int, str], Plugin] = {}
@@ -138,7 +139,7 @@ class Parts:
                 place = f"{one.node.place} ({one.kind} {one.name})"
                 if port is None or joint >= len(in_file) or in_file[joint].kind != "stepdir":
                     continue
-                if in_file[joint] is not by_axis[joint] and one.node.text("axis") == "":
+                if in_file[joint] is not by_axis[joint]:
                     self.notes.append(f"{place}: joint {joint} is not certain, so it is a word of its own")
                 elif one.pins.get("bit") and one.pins["bit"].inverted:
                     self.notes.append(f"{place}: inverted, so it is a word and no input of stepgen")
