@@ -191,6 +191,20 @@ def test_a_switch_of_a_joint_that_is_not_certain_stays_a_word(tmp_path: Path) ->
     assert any("plugins[2] (bitin home): joint 0 is not certain" in one for one in made.notes)
 
 
+def test_the_example_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "import-riocore.md").read_text("utf-8")
+    told, note, spec = (re.findall(rf"```{kind}\n(.*?)```", page, re.S)[0] for kind in ("json", "text", "ul"))
+    monkeypatch.chdir(tmp_path)
+    Path("slide.json").write_text(told, "utf-8")
+    assert cli.main(["import", "slide.json"]) == 0
+    assert capfd.readouterr() == (spec, note)
+    Path("slide.ul").write_text(spec, "utf-8")
+    (command,) = re.findall(r"^unitylink (write .*)$", page, re.M)
+    assert cli.main(shlex.split(command)) == 0
+
+
 def test_many_inputs_and_axes_compile(tmp_path: Path) -> None:
     steppers = [{"type": "stepdir", "pins": {"step": f"S{i}", "dir": f"D{i}"}} for i in range(17)]
     inputs = [{"type": "bitin", "name": "öffner", "pins": {"bit": f"I{i}"}} for i in range(70)]
