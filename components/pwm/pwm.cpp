@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The model of pwm.vhd.
 #include <algorithm>
+#include <vector>
 
 #include "device/component/component.hpp"
 #include "device/component/tick.hpp"
@@ -12,99 +13,148 @@ namespace {
 class Pwm final : public Component {
  public:
   explicit Pwm(const ComponentConfiguration& from)
-      : Component(from, std::string(2 + channels_of(from), '1'), false),
-        longest_((1u << from.generic("counter_bits", 24)) - 1u),
+      : Component(from, "1-" + std::string(channels_of(from), '1'), false),
+        servo_(from.generic("servo", 0) != 0),
         least_us_(static_cast<std::uint32_t>(from.generic("servo_minimum_us", 500))),
         most_us_(static_cast<std::uint32_t>(from.generic("servo_maximum_us", 2500))),
-        microseconds_(static_cast<std::uint64_t>(from.generic("clock_hz", 50'000'000)), 1'000'000),
-        widths_(channels_of(from)),
-        high_(channels_of(from)) {}
+        microseconds_(clock_hz(from), microsecond_hz),
+        period_(servo_ ? 20'000 : clocks_of_period(from)),
+        channels_(channels_of(from)) {
+    std::uint32_t swept = 2;
+    while (swept < first_width + channels_of(from)) {
+      swept *= 2;
+    }
+    wait_until(swept);  // after a reset the words are cleared
+  }
 
  private:
-  enum Register : std::uint32_t { control, period, first_width };
-  static constexpr std::uint32_t servo_period_us = 20'000;
+  enum Register : std::uint32_t { control, hole, first_width };
+  static constexpr std::uint32_t word_mask = 0x1FFF;
+  static constexpr std::uint32_t whole = 4096;
+  static constexpr std::uint64_t microsecond_hz = 1'000'000;
+  static constexpr Clock turn_clocks = 15;  // of a channel
 
+  static std::uint64_t clock_hz(const ComponentConfiguration& from) {
+    return static_cast<std::uint64_t>(from.generic("clock_hz", 50'000'000));
+  }
+  static std::uint64_t clocks_of_period(const ComponentConfiguration& from) {
+    const auto frequency_hz = static_cast<std::uint64_t>(from.generic("frequency_hz", 20'000));
+    return (clock_hz(from) + frequency_hz / 2) / frequency_hz;
+  }
   static std::uint32_t channels_of(const ComponentConfiguration& from) {
     return static_cast<std::uint32_t>(from.generic("channels", 4));
   }
 
-  [[nodiscard]] bool enabled() const noexcept { return (write_word(control) & 1u) != 0; }
-  [[nodiscard]] bool servo() const noexcept { return (write_word(control) & 2u) != 0; }
-  [[nodiscard]] std::uint32_t limited(std::uint32_t address) const noexcept {
-    return std::min(write_word(address), longest_);
+  // The units of time, which are clocks or µs: how many have come up to a state, and the state in which one comes.
+  [[nodiscard]] std::uint64_t units_until(Clock state) const noexcept {
+    return servo_ ? microseconds_.until(state) : state;
+  }
+  [[nodiscard]] Clock state_of(std::uint64_t unit) const noexcept {
+    return servo_ ? microseconds_.state_of(unit) : unit;
   }
 
-  // The state in which the counter has counted `units` since the period began, and counts no further at its edge.
-  [[nodiscard]] Clock counted(std::uint32_t units) const noexcept {
-    return in_us_ ? microseconds_.state_of(microseconds_.until(begun_) + units) : begun_ + units;
-  }
-  [[nodiscard]] std::uint32_t count(Clock state) const noexcept {
-    return static_cast<std::uint32_t>(in_us_ ? microseconds_.until(state - 1) - microseconds_.until(begun_)
-                                             : state - 1 - begun_);
+  // How long a pin is high, in units.
+  [[nodiscard]] std::uint64_t length(std::uint32_t channel) const noexcept {
+    const std::uint32_t asked = write_word(first_width + channel) & word_mask;
+    if (servo_) {
+      return asked == 0 ? 0 : std::clamp(asked, least_us_, most_us_);
+    }
+    return (std::min(asked, whole) * period_ + whole - 1) / whole;
   }
 
   [[nodiscard]] Clock next() const noexcept override { return next_; }
 
   void step(Clock edge) override {
-    const bool was_running = running_;
-    for (std::uint32_t channel = 0; channel < widths_.size(); ++channel) {
-      high_[channel] = was_running && enabled() && count(edge) < widths_[channel];
-      output(channel, high_[channel] != 0, edge);
-    }
-    if (is_written(control, edge) || !enabled()) {
-      running_ = false;
-    } else if (!was_running || edge == counted(last_ + 1)) {
-      begin(edge);
-    }
-    plan(edge);
-  }
-
-  void begin(Clock edge) {
-    begun_ = edge;
-    in_us_ = servo();
-    running_ = servo() || limited(period) != 0;
-    last_ = servo() ? servo_period_us - 1 : limited(period) - 1;
-    for (std::uint32_t channel = 0; channel < widths_.size(); ++channel) {
-      const std::uint32_t width = limited(first_width + channel);
-      widths_[channel] = servo() && width != 0 ? std::clamp(width, least_us_, most_us_) : width;
-    }
-  }
-
-  // The next edge after `edge` at which a pin or the period changes.
-  void plan(Clock edge) noexcept {
-    next_ = never;
-    if (!running_) {
-      const bool falls = std::find(high_.begin(), high_.end(), 1) != high_.end();
-      const bool starts = enabled() && (servo() || limited(period) != 0);
-      next_ = falls || starts ? edge + 1 : never;
+    const bool enabled = (write_word(control) & 1u) != 0;
+    if (!enabled) {
+      stop(edge);
       return;
     }
-    next_ = counted(last_ + 1);
-    for (std::uint32_t channel = 0; channel < widths_.size(); ++channel) {
-      const Clock falls = counted(widths_[channel]) + 1;
-      if (high_[channel] == 0 && count(edge + 1) < widths_[channel]) {
-        next_ = edge + 1;
-      } else if (high_[channel] != 0 && falls > edge) {
-        next_ = std::min(next_, falls);
-      }
+    if (!running_) {
+      begins_ = state_of(units_until(edge - 1) + 1);
+      running_ = true;
     }
-    next_ = std::max(next_, edge + 1);
+    if (turn_ < channels_.size() && edge == read_edge()) {
+      take(turn_++);
+    }
+    if (edge == begins_) {
+      begun_ = edge;
+      begins_ = state_of(units_until(edge) + period_);
+      turn_ = 0;
+    }
+    for (std::uint32_t number = 0; number < channels_.size(); ++number) {
+      channels_[number].step(edge);
+      output(number, channels_[number].high, edge);
+    }
+    plan();
+  }
+
+  void stop(Clock edge) {
+    for (std::uint32_t number = 0; number < channels_.size(); ++number) {
+      channels_[number] = {};
+      output(number, false, edge);
+    }
+    running_ = false;
+    turn_ = static_cast<std::uint32_t>(channels_.size());
+    begins_ = never;
+    next_ = never;
+  }
+
+  [[nodiscard]] Clock read_edge() const noexcept { return begun_ + 1 + turn_clocks * turn_; }
+
+  // The turn of a channel begins. At its end, a pulse of the new length is loaded.
+  void take(std::uint32_t number) noexcept {
+    const std::uint64_t units = length(number);
+    if (units != 0) {
+      const std::uint64_t first = units_until(begun_ + turn_clocks * (number + 1)) + 1;
+      channels_[number].rises = state_of(first);
+      channels_[number].then_falls = state_of(first + units);
+    }
+  }
+
+  void plan() noexcept {
+    next_ = begins_;
+    if (turn_ < channels_.size()) {
+      next_ = std::min(next_, read_edge());
+    }
+    for (const Channel& one : channels_) {
+      next_ = std::min({next_, one.rises, one.falls});
+    }
   }
 
   void stored(std::uint32_t address, Clock edge) override {
-    word(address, address == control ? write_word(control) & 3u : limited(address), edge);
+    word(address, write_word(address) & (address == control ? 1u : word_mask), edge);
   }
 
-  std::uint32_t longest_;
+  struct Channel {
+    Clock rises = never;  // the edge at which the next pulse begins
+    Clock then_falls = never;
+    Clock falls = never;  // the edge at which this pulse ends
+    bool high = false;
+
+    void step(Clock edge) noexcept {
+      if (edge == falls) {
+        high = false;
+        falls = never;
+      }
+      if (edge == rises) {
+        high = true;
+        falls = then_falls;
+        rises = never;
+      }
+    }
+  };
+
+  bool servo_;
   std::uint32_t least_us_;
   std::uint32_t most_us_;
   Tick microseconds_;
-  std::vector<std::uint32_t> widths_;  // of this period
-  std::vector<char> high_;             // of the pins
+  std::uint64_t period_;  // units
+  std::vector<Channel> channels_;
   bool running_ = false;
-  bool in_us_ = false;      // the units of this period
-  std::uint32_t last_ = 0;  // the count in the last unit of this period
-  Clock begun_ = 0;         // the edge that began it
+  std::uint32_t turn_ = ~0u;  // the channel whose turn is next; behind the last: none
+  Clock begun_ = 0;           // the edge that began this period
+  Clock begins_ = never;      // the edge that begins the next one
   Clock next_ = never;
 };
 

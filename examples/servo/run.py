@@ -38,7 +38,7 @@ def sweep(board: Node, link: Link) -> bool:
     trips.on_publish(tell)
     try:
         width_us.write(WIDTHS_US[0])
-        control.write({"enable": True, "servo": True})
+        control.write({"enable": True})
         for goal_us in WIDTHS_US:
             width_us.write(goal_us)
             # robot time, which on a real board is the time of this program
@@ -46,7 +46,7 @@ def sweep(board: Node, link: Link) -> bool:
             print(f"servo at {goal_us} us, wheel at {position.read()} counts")
         return tripped.wait(2.0)
     finally:
-        control.write({"enable": False, "servo": True})  # no pulses: the servos go limp
+        control.write({"enable": False})  # no pulses: the servos go limp
         board.stop_publishing()
 
 

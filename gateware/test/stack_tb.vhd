@@ -258,10 +258,10 @@ begin
     ask("#W:1800000000", "#S_W");
     ask("#RM:021018", "#S_RM:1111111100000001");
 
-    ask("#W:310000000A", "#S_W");
-    ask("#W:320000000A", "#S_W");
+    ask("#W:3200001000", "#S_W");
+    ask("#W:3300000000", "#S_W");
     ask("#W:3000000001", "#S_W");
-    wait for 1 us;
+    wait for 2 us;
     check_equal(pwm_pins, std_ulogic_vector'("01"), "pwm pins: always, and never");
 
     ask("#W:08CAFE0001", "#S_W");

@@ -25,7 +25,7 @@ TEXT = """
 link cart (ADDRESS=8);
 public cart() {
    wheel[2]: quadrature_encoder(rate=1 kHz, scale=2*pi/4096 rad, with_index=1);
-   drive: pwm(channels=2, safe=7);
+   drive: pwm(channels=2, frequency_hz=5000);
    pad: gpio(pins=4, safe=5);
    @pressed = 0x0: u4 READ(PUBLISH(on pad.changed));
 }
@@ -83,15 +83,14 @@ def test_pulse_width_is_seen_at_the_pins(spec: Spec, board: Board) -> None:
     drive = board.components["drive"]
     with Link(board.url) as link:
         assert drive.duty("pins", 1) == 0
-        link.write(address(spec, "drive.width[1]"), 2_000)
-        link.write(address(spec, "drive.period"), 8_000)
+        link.write(address(spec, "drive.width[1]"), 1024)
         link.write(address(spec, "drive.control"), 1)
         until(lambda: drive.rises("pins", 1) > 50)
         drive.duty("pins", 1)
         until(lambda: drive.rises("pins", 1) > 500)
         assert drive.duty("pins", 1) == pytest.approx(0.25, rel=0.02)
         assert drive.rises("pins", 0) == 0
-        width_s = 2_000 / board.configuration.clock_hz
+        width_s = 0.25 / 5_000
         until(lambda: (drive.pulse_s("pins", 1) or 0) == pytest.approx(width_s))
 
 
@@ -135,7 +134,6 @@ def test_the_dead_man_reaches_the_pins(spec: Spec, board: Board) -> None:
     pad, drive = board.components["pad"], board.components["drive"]
     link = Link(f"{board.url}?protocol=framed&deadman=0.05")
     link.write(address(spec, "pad.outputs"), 0b1010)
-    link.write(address(spec, "drive.period"), 100)
     link.write(address(spec, "drive.width[0]"), 1000)
     link.write(address(spec, "drive.control"), 1)
     until(lambda: drive.level("pins", 0))

@@ -211,6 +211,7 @@ class Case:
     `values` has, for some addresses, the values that make the component do something. `pause` is the longest
     time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins. `wait` is
     the longest time for which a write waits for its answer, and for which any access waits after the reset.
+    `start` is that time of a component whose writes do not wait.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one.
     """
@@ -222,6 +223,7 @@ class Case:
     wait: int = 0
     device: str = ""
     program: str = ""
+    start: int = 0
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -237,7 +239,7 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
 
 
 def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:
-    now = case.wait + draw.randrange(4)
+    now = max(case.wait, case.start) + draw.randrange(4)
     while now < end - 20 - 6 * case.wait:
         count = draw.choice((1, 1, 1, 2, 3, 6))
         if count > 1:

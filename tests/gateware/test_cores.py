@@ -23,9 +23,19 @@ def test_gpio(ghdl: Any, pins: int, stable_clocks: int) -> None:
     ghdl.run("gpio_tb", pins=pins, stable_clocks=stable_clocks)
 
 
-@pytest.mark.parametrize("clock_hz", [1_000_000, 2_500_000, 3_333_333])
-def test_pwm(ghdl: Any, clock_hz: int) -> None:
-    ghdl.run("pwm_tb", clock_hz=clock_hz)
+@pytest.mark.parametrize(("clock_hz", "frequency_hz"), [(1_000_000, 20_000), (3_333_333, 17_000)])
+def test_pwm(ghdl: Any, clock_hz: int, frequency_hz: int) -> None:
+    ghdl.run("pwm_tb", clock_hz=clock_hz, frequency_hz=frequency_hz)
+
+
+def test_pwm_of_servos(ghdl: Any) -> None:
+    ghdl.run("pwm_tb", clock_hz=1_300_000, servo=1, rounds=1)
+
+
+def test_a_frequency_that_is_too_high_for_the_channels_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse(
+        "pwm_tb", "3 channels need a period of more than 45 clocks", clock_hz=2_000_000, frequency_hz=50_000
+    )
 
 
 @pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])

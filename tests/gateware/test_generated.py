@@ -234,7 +234,7 @@ def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
         "#EPS\n",
         "#W:0200000640\n",  # servo 0: 1600 us
         "#W:0300000960\n",  # servo 1: 2400 us
-        "#W:0000000003\n",  # enable, servo mode
+        "#W:0000000001\n",  # enable
         24_000,  # 3 ms
         "#R:08\n",
         "#R:20\n",

@@ -71,8 +71,8 @@ def test_types_arrays_and_access_modes(designs: Any, spec: Spec) -> None:
         "#W:1100000005\n": b"#S_W",
         "#W:23FFFFFFF0\n": b"#S_W",
         "#RM:022022\n": b"#S_RM:00000000fffffff5",
-        "#W:4100000064\n": b"#S_W",  # the PWM: a period of 100 clocks, channel 1 always high
-        "#W:43000000C8\n": b"#S_W",
+        "#W:4200000064\n": b"#S_W",  # the PWM: channel 0 is high for 100/4096 of a period, channel 1 always
+        "#W:4300001000\n": b"#S_W",
         "#W:4000000001\n": b"#S_W",
         "#R:02\n": b"#S_R:00000077",  # status.ready is pin 1
     }

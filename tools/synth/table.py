@@ -184,6 +184,14 @@ ROWS = (
         memories_most=4,
     ),
     Row(
+        "pwm",
+        "a component: four channels of PWM at 20 kHz",
+        top="pwm",
+        cells_most=240,
+        mhz_least=50.0,
+        memories_most=2,
+    ),
+    Row(
         "three_phase_pwm",
         "a component: three phases with dead time and fault input, at 20 kHz",
         top="three_phase_pwm",

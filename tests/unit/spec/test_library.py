@@ -48,7 +48,7 @@ def test_components_get_addresses_where_there_is_room() -> None:
     drive = spec.root().instances[0].component
     assert drive == Component(
         "pwm", 8, 6,
-        (("clock_hz", 0), ("channels", 4), ("counter_bits", 24),
+        (("clock_hz", 0), ("channels", 4), ("frequency_hz", 20000), ("servo", 0),
          ("servo_minimum_us", 500), ("servo_maximum_us", 2500)),
         (("pins", "out", 4),), (),
     )  # fmt: skip

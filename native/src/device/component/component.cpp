@@ -77,7 +77,7 @@ std::uint32_t Component::seen(std::uint32_t address, Clock at) const noexcept {
 
 BusReply Component::read(std::uint32_t address, Clock at) {
   const Clock start = begun(at);
-  if (address >= words_.size()) {
+  if (address >= words_.size() || writable_[address] == '-') {
     return {BusStatus::error, 0};
   }
   look(address, start);

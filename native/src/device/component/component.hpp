@@ -55,8 +55,8 @@ class Component : public Bus {
   void advance(Clock state) final;  // to this state
 
  protected:
-  // `writable` has one character for each address, as for register_slave: 1 may be written. With `snapshot`, reads are
-  // of the moment when cyc rose.
+  // `writable` has one character for each address, as for register_slave: 1 may be written, - is a hole. With
+  // `snapshot`, reads are of the moment when cyc rose.
   Component(const ComponentConfiguration& configuration, std::string writable, bool snapshot);
 
   // The next edge at which something changes while nothing comes from outside. never: it waits.

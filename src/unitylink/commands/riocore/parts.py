@@ -175,9 +175,8 @@ class Parts:
             for channels in _chunks(same, CHANNELS_MOST):
                 name = self._name(channels[0].name if len(channels) == 1 else "pwms")
                 comments = [f"channel {i} is {one.name}" for i, one in enumerate(channels)]
-                comments.append(f"for {hertz} Hz write the clock of the design / {hertz} to the period")
                 pins = {"pins": [self._plain(one, "pwm") for one in channels]}
-                self._add(name, f"pwm(channels={len(channels)})", comments, pins)
+                self._add(name, f"pwm(channels={len(channels)}, frequency_hz={hertz})", comments, pins)
                 for one in channels:
                     self._output(one, "dir", f"{one.name}_direction")
                     self._output(one, "en", f"{one.name}_enable")
@@ -194,7 +193,9 @@ class Parts:
                     )
             name = self._name(channels[0].name if len(channels) == 1 else "servos")
             pins = {"pins": [self._plain(one, "pwm") for one in channels]}
-            self._add(name, f"pwm(channels={len(channels)}, scale=1 us, maximum=2500)", comments, pins)
+            self._add(
+                name, f"pwm(channels={len(channels)}, servo=1, scale=1 us, maximum=2500)", comments, pins
+            )
 
     def _encoders(self, plugins: list[Plugin]) -> None:
         for one in plugins:
