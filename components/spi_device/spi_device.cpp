@@ -71,11 +71,12 @@ class SpiDevice final : public BusSequencer {
   // Half a bit ends. The VHDL takes the reply two clocks later, behind its synchroniser, which is the same level.
   void turn(Clock edge) {
     const bool ends = half_ == 15;
+    const bool level = miso_;  // of before this edge, which may change it
     const bool second = (half_ & 1u) != 0;
     output(sclk, ends ? at_rest_ : (at_rest_ != second_edge_) != !second, edge);
     if (second) {
       output(mosi, (shift_ & 0x40u) != 0, edge);
-      shift_ = (shift_ << 1 | (miso_ ? 1u : 0u)) & 0xFFu;
+      shift_ = (shift_ << 1 | (level ? 1u : 0u)) & 0xFFu;
     }
     ++half_;
     if (ends) {

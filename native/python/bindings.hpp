@@ -23,6 +23,7 @@ void bind_driver(nanobind::module_& module);
 void bind_stream(nanobind::module_& module);
 void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
+void bind_board_device(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
 void bind_component(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);

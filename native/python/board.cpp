@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "board_device.hpp"
 #include "device/board.hpp"
 #include "device/device.hpp"
 #include "device/rtl_device.hpp"
@@ -389,6 +390,8 @@ void bind_board(nb::module_& module) {
       .def("damage_cycle", &Board::damage_cycle, Release())
       .def("hang_up", &Board::hang_up, Release())
       .def("drive", &Board::drive, nb::arg("component"), nb::arg("pin"), nb::arg("level"), Release())
+      .def("attach_spi", &attach_spi<PythonBoard>, nb::arg("component"), nb::arg("pins"), nb::arg("mode"),
+           nb::keep_alive<0, 1>())
       .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())
       .def(
           "turn",

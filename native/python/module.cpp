@@ -7,6 +7,7 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_driver(module);
   unitylink::python::bind_stream(module);
   unitylink::python::bind_link(module);
+  unitylink::python::bind_board_device(module);
   unitylink::python::bind_board(module);
   unitylink::python::bind_bus(module);
   unitylink::python::bind_component(module);

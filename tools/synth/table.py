@@ -192,6 +192,14 @@ ROWS = (
         memories_most=2,
     ),
     Row(
+        "spi_device",
+        "a component: sets a device on SPI up and reads it, by a table",
+        top="spi_device",
+        cells_most=420,
+        mhz_least=50.0,
+        memories_most=5,
+    ),
+    Row(
         "three_phase_pwm",
         "a component: three phases with dead time and fault input, at 20 kHz",
         top="three_phase_pwm",

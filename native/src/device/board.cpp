@@ -337,6 +337,22 @@ bool Board::turn(std::uint32_t component, const EncoderLines& lines, std::int64_
   return found;
 }
 
+bool Board::attach(std::uint32_t component, const SpiLines& lines) {
+  const auto lock = enter();
+  const bool found = device_->pins().attach(component, lines, device_->clock()) != nullptr;
+  wake();
+  return found;
+}
+
+bool Board::with_device(std::uint32_t component, const std::function<void(BusDevice&)>& use) {
+  const auto lock = enter();
+  BusDevice* found = device_->pins().attached(component);
+  if (found != nullptr) {
+    use(*found);
+  }
+  return found != nullptr;
+}
+
 bool Board::count_by(std::uint32_t component, std::uint32_t pin, std::uint32_t direction) {
   const auto lock = enter();
   OutputPin* counted = device_->pins().output(component, pin, device_->clock());

@@ -9,6 +9,8 @@ from unitylink import _native
 from unitylink.errors import ValueRangeError
 from unitylink.interface.components import ComponentConfiguration
 
+from .device_registers import DeviceRegisters
+
 
 class BoardComponent:
     """The pins of one component from outside, and quantities above them.
@@ -36,6 +38,7 @@ class BoardComponent:
                 counted[direction] += bits or 1
         self._counted: set[tuple[int, int]] = set()
         self._pulses: dict[int, tuple[int, float]] = {}  # pin -> pulses and high time at the last look
+        self._device: DeviceRegisters | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -104,6 +107,24 @@ class BoardComponent:
         place = pins[0], pins[1], pins[2] if per_turn else 0
         if not self._native.turn(self._number, place, per_turn, int(counts // 1), max(0.0, seconds)):
             raise self._without_pins()
+
+    @property
+    def device(self) -> DeviceRegisters:
+        """The registers of the device at the pins of an `spi_device`. The first look puts it there.
+
+        imu = board.components["imu"].device
+        imu[0x75] = 0x47                      # it says who it is
+        imu[0x1D:0x1F] = bytes([0x12, 0x34])  # both at once
+        """
+        if self._device is None:
+            select_n, sclk, mosi = (self._pin("out", name, 0) for name in ("select_n", "sclk", "mosi"))
+            pins = select_n, sclk, mosi, self._pin("in", "miso", 0)
+            mode = dict(self.configuration.generics).get("mode", 0)
+            found = self._native.attach_spi(self._number, pins, int(mode))
+            if found is None:
+                raise self._without_pins()
+            self._device = DeviceRegisters(found, self.configuration.path)
+        return self._device
 
     def _look(self, port: str, bit: int) -> tuple[bool, int, int, float, float]:
         seen = self._native.look(self._number, self._pin("out", port, bit))

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "device/component/spi_registers.hpp"
+
 namespace unitylink::device {
 
 namespace {
@@ -65,6 +67,23 @@ void Pins::join(std::uint32_t component, const ComponentConfiguration& configura
 
 bool Pins::settle(const TwoWay& pin, Clock at) {
   return put(pin.component, pin.input, pin.driven->level() ? pin.out->level() : pin.outside, at);
+}
+
+BusDevice* Pins::attach(std::uint32_t component, const SpiLines& lines, Clock now) {
+  for (const std::uint32_t pin : {lines.select_n, lines.sclk, lines.mosi}) {
+    if (output(component, pin, now) == nullptr) {
+      return nullptr;
+    }
+  }
+  if (!drive(component, lines.miso, true, now)) {
+    return nullptr;
+  }
+  return (devices_[component] = std::make_unique<SpiRegisters>(*this, component, lines, now)).get();
+}
+
+BusDevice* Pins::attached(std::uint32_t component) const noexcept {
+  const auto found = devices_.find(component);
+  return found == devices_.end() ? nullptr : found->second.get();
 }
 
 // The clock of the next count. With more than one count a clock, the lines jump, as those of a shaft that is too fast.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "device/clock.hpp"
+#include "device/component/bus_device.hpp"
 #include "device/component/component_configuration.hpp"
 #include "device/component/output_pin.hpp"
 
@@ -39,6 +40,10 @@ class Pins {
 
   // Turns an encoder to so many counts, evenly until `until`. The lines change at their own clocks meanwhile.
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
+  // Puts a device on SPI at the pins of a component. nullptr: it has no such pins.
+  BusDevice* attach(std::uint32_t component, const SpiLines& lines, Clock now);
+  // The device at the pins of a component, or nullptr.
+  [[nodiscard]] BusDevice* attached(std::uint32_t component) const noexcept;
   // When the next line of an encoder changes that somebody waits for. The others change when the component is asked.
   [[nodiscard]] Clock next_turn() const noexcept;
   // All lines show what they show at `now`. Call it before a component is asked.
@@ -78,6 +83,7 @@ class Pins {
 
   std::vector<std::unique_ptr<TwoWay>> two_way_;
   std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
+  std::map<std::uint32_t, std::unique_ptr<BusDevice>> devices_;
 };
 
 }  // namespace unitylink::device

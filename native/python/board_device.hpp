@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The device at the pins of a component, for Python.
+#pragma once
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
+
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "bindings.hpp"
+#include "device/board.hpp"
+
+namespace unitylink::python {
+
+struct BoardDevice {
+  device::Board* board;
+  std::uint32_t component;
+};
+
+using SpiPins = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
+
+// Puts a device on SPI at pins of a component: select_n, sclk, mosi and miso. None: it has no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_spi(PythonBoard& self, std::uint32_t component, const SpiPins& pins,
+                                      std::uint32_t mode) {
+  const auto [select_n, sclk, mosi, miso] = pins;
+  const GilRelease released;
+  if (!self.attach(component, device::SpiLines{select_n, sclk, mosi, miso, mode})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component};
+}
+
+}  // namespace unitylink::python

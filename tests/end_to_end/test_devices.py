@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Devices on a bus, on the virtual boards, the twin and the compiled VHDL alike: set-up, units, failures."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from unitylink import Link
+from unitylink.errors import ValueRangeError
+from unitylink.layer4_data import load_spec_objects
+from unitylink.simulate import Board
+from unitylink.simulate.rtl import RtlBoard
+from unitylink.spec import compile_text
+
+TEXT = """
+link body (ADDRESS=8);
+public body() {
+   imu: icm42688(rate=100 Hz, start=2 ms);
+   gauge: spi_device(command=0x90, words=2, bytes=3, order="little", mode=2);
+}
+"""
+
+pytestmark = pytest.mark.xdist_group("rtl")
+
+
+@pytest.fixture(params=[Board, RtlBoard])
+def board(request: pytest.FixtureRequest) -> Iterator[Board]:
+    spec = compile_text(TEXT, "body.ul").spec
+    assert spec is not None
+    with request.param(spec, endpoint="tcp") as made:
+        yield made
+
+
+def until(true: Callable[[], object]) -> None:
+    end = time.monotonic() + 10
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def test_an_inertial_sensor_is_set_up_and_read(board: Board) -> None:
+    imu = board.components["imu"].device
+    with Link(board.url) as link:
+        robot = load_spec_objects(board.spec, link)
+        until(lambda: robot["imu.failures"].read() > 3)  # register 75 is not yet 47
+        assert not robot["imu.status"].read().valid
+        imu[0x1D:0x2B] = b"".join(
+            value.to_bytes(2, "big", signed=True) for value in (1325, 2048, -2048, 0, 16384, -16384, 1)
+        )
+        imu[0x75] = 0x47
+        until(lambda: robot["imu.status"].read().valid)
+        assert bytes(imu[0x4E:0x51]) == bytes([0x0F, 0x06, 0x06])  # the set-up has written them
+        assert robot["imu.temperature"].read() == pytest.approx(35, abs=0.01)
+        assert robot["imu.acceleration[0]"].read() == pytest.approx(9.80665)
+        assert robot["imu.acceleration[1]"].read() == pytest.approx(-9.80665)
+        assert robot["imu.turn[0]"].read() == pytest.approx(1000)
+        assert robot["imu.turn[1]"].read() == pytest.approx(-1000)
+        assert robot["imu.age"].read() <= 1200
+        imu.plugged = False
+        until(lambda: not robot["imu.status"].read().valid)
+        assert robot["imu.status"].read().failure.name == "wrong_reply"
+        assert robot["imu.acceleration[0]"].read() == pytest.approx(9.80665)  # the last good one, and its age
+        until(lambda: robot["imu.age"].read() > 5000)
+        imu.plugged = True
+        until(lambda: robot["imu.status"].read().valid)
+
+
+def test_values_of_three_bytes_with_the_lowest_first(board: Board) -> None:
+    gauge = board.components["gauge"].device
+    with Link(board.url) as link:
+        robot = load_spec_objects(board.spec, link)
+        gauge[0x10:0x16] = bytes([1, 2, 3, 0xFF, 0xFE, 0xFD])
+        until(lambda: robot["gauge.value[1]"].read() == 0xFDFEFF)
+        assert robot["gauge.value[0]"].read() == 0x030201
+        robot["gauge.control"].write({"enable": False})
+        until(lambda: not robot["gauge.status"].read().valid)
+
+
+def test_what_a_device_has_not_is_refused(board: Board) -> None:
+    gauge = board.components["gauge"].device
+    for place, value in ((256, 0), (-1, 0), (0, 256), (0, -1), (slice(0, 2), b"1"), (slice(0, 2), 7)):
+        with pytest.raises(ValueRangeError, match="gauge"):
+            gauge[place] = value
+    with pytest.raises(ValueRangeError, match="0 to 255"):
+        gauge[300]
+    assert gauge is board.components["gauge"].device
