@@ -6,6 +6,8 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ import pytest
 from unit.house.files import ROOT, text
 from unit.modules import module_of
 
-from unitylink import cli
+from unitylink import cli, connect
 
 PAGE = text("docs/where-loops-live.md")
 LOOPS = ROOT / "bench" / "loops"
@@ -64,6 +66,34 @@ def test_the_bench_measures_a_loop(loops: Any, monkeypatch: pytest.MonkeyPatch) 
     assert len(found) == 6
     # a publish and a write of at least 9 bytes each are on the line meanwhile
     assert found[0] > 2 * 9 * 10 / 3
+
+
+def test_a_delay_of_the_program_is_measured_at_both_edges(
+    loops: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its answer comes 30 ms after it has seen the input, so no time may be shorter."""
+    monkeypatch.setattr(loops, "PATIENCE_S", 20.0)
+    ended = threading.Event()
+
+    def answer(url: str) -> None:
+        with connect(url) as link:
+            link.write(2, 2)  # pin 1 is an output
+            before = 0
+            while not ended.is_set():
+                if (level := link.read(0) & 1) != before:
+                    before = level
+                    time.sleep(0.03)
+                    link.write(1, level << 1)
+
+    with loops.Board(loops.load(str(LOOPS / "board.ul")), endpoint="pty") as board:
+        program = threading.Thread(target=answer, args=(board.url,))
+        program.start()
+        try:
+            found = loops.answers_us(board, 4)
+        finally:
+            ended.set()
+            program.join()
+    assert len(found) == 4 and min(found) >= 30_000
 
 
 def test_a_program_that_does_not_answer_is_noticed(loops: Any, monkeypatch: pytest.MonkeyPatch) -> None:
