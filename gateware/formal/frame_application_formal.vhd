@@ -8,7 +8,8 @@
 -- anywhere.
 --
 -- The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at any time.
--- Instructions come from the position that the sequencer decides. frame_sequencer_formal proves that they are the same.
+-- Instructions come from the positions that the sequencer decides. frame_sequencer_formal proves that they are the
+-- same.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -43,10 +44,14 @@ entity frame_application_formal is
     instruction     : in frame_instruction_t;
     finishes        : in std_ulogic;
     jump            : in std_ulogic;
+    begins          : in std_ulogic;
     steps           : in std_ulogic;
+    fetches         : in std_ulogic;
+    skips           : in std_ulogic;
     position        : in unsigned(7 downto 0);
     fetched         : out frame_instruction_t;
-    entry_now       : in entry_t;
+    executed        : out frame_instruction_t;
+    choice          : in entry_t;
     id              : in std_ulogic_vector(15 downto 0);
     word_index      : in unsigned(7 downto 0);
     remember        : in std_ulogic;
@@ -76,7 +81,8 @@ architecture properties of frame_application_formal is
 
   constant program : frame_program_t := frame_program_for(settings);
 
-  signal position_now : unsigned(7 downto 0) := (others => '0');
+  signal position_ahead, position_now : unsigned(7 downto 0) := (others => '0');
+  signal idle : std_ulogic := '1';  -- nothing is executed
 
   subtype constants_t is natural range word_zero to word_defined;
 
@@ -98,8 +104,8 @@ architecture properties of frame_application_formal is
   signal looked_at : natural range 0 to 255 := 0;
 
   -- The work in hand.
-  signal begins    : std_ulogic;
   signal entry     : natural range 0 to 31 := 0;
+  signal entry_now : entry_t := (others => '0');    -- what was chosen in the clock before
   signal frame     : std_ulogic := '0';             -- the work is a frame
   signal had_id    : std_ulogic := '0';             -- and long enough to have an id
   signal dones     : natural range 0 to 2 := 0;
@@ -114,7 +120,7 @@ architecture properties of frame_application_formal is
   signal judgements : natural range 0 to 3 := 0;    -- how often the cache was asked
   signal judged    : std_ulogic := '0';             -- the cache has called the id new
   signal judged_id : std_ulogic_vector(15 downto 0) := (others => '0');
-  signal other     : std_ulogic := '1';             -- the cache was busy with something else in the clock before
+  signal other, other_before : std_ulogic := '1';   -- the cache was busy with something else one and two clocks before
   signal id_before : std_ulogic_vector(15 downto 0) := (others => '0');
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
   signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
@@ -138,13 +144,13 @@ begin
 
   bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => response);
 
-  fetched    <= program(to_integer(position_now));
+  fetched    <= program(to_integer(position_ahead));
+  executed   <= loaded(program(to_integer(position_now)), idle);
   in_session <= nand epoch(15 downto 8);
   at_rest    <= begun and started and not busy;
-  begins     <= wants and may_begin;
-  calls      <= steps and jump and instruction(do_call);
-  returns    <= steps and not jump and instruction(do_return);
-  judges     <= finishes and to_bit(unsigned(instruction(condition_f)) = if_not_new);
+  calls      <= steps and instruction(do_call);
+  returns    <= steps and instruction(do_return);
+  judges     <= finishes and to_bit(unsigned(instruction(seen_f)) = if_not_new);
   epoch_may_change <= to_bit(frame = '1' and stands = '1' and given = '0' and reply_idle = '1' and
                              (entry = entry_open or entry = request_kind_close_c mod 16));
   with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and
@@ -184,9 +190,7 @@ begin
   note_before : process (clk) is
   begin
     if rising_edge(clk) then
-      if finishes = '0' or instruction(store_f) = store_nothing then
-        looked_at <= to_integer(word_index);
-      end if;
+      looked_at <= to_integer(word_index);
       verdict_before <= fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count);
       begins_before  <= begins;
       loads_before   <= reset or (finishes and to_bit(instruction(special_f) = load_epoch));
@@ -198,14 +202,20 @@ begin
     if rising_edge(clk) then
       epoch_before <= epoch;
       id_before    <= id;
-      if steps = '1' or reset = '1' then
-        position_now <= position;
+      entry_now <= choice;
+      if fetches = '1' then
+        position_ahead <= position;
+      end if;
+      if steps = '1' then
+        position_now <= position_ahead;
+        idle         <= skips;
       end if;
       if busy = '0' then
         started <= '1';
       end if;
 
-      other     <= remember or instruction(do_before) or to_bit(instruction(special_f) = forget_place);
+      other_before <= other;
+      other        <= remember or instruction(do_before) or to_bit(instruction(special_f) = forget_place);
 
       if reply.restart = '1' or reply.finish = '1' then
         given         <= '0';
@@ -265,6 +275,7 @@ begin
         judgements <= 0;
       end if;
       if reset = '1' then
+        idle          <= '1';
         started       <= '0';
         frame         <= '0';
         given         <= '0';
@@ -354,7 +365,7 @@ begin
 
   -- The verdict on an id is used only after the cache has looked at this id.
   judged_in_time : assert always begun = '1' and judges = '1' ->
-                   id = id_before and other = '0' and instruction(do_before) = '0';
+                   id = id_before and (other or other_before) = '0' and instruction(do_before) = '0';
 
   -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
@@ -381,10 +392,13 @@ begin
   epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch_may_change = '1' or epoch = epoch_before);
 
   -- The program never leaves its instructions. After a reset it starts at the first ones.
-  in_program : assert always begun = '1' -> or instruction;
+  in_program : assert always begun = '1' and idle = '0' -> or instruction;
 
   -- A routine is not called from within a routine, and returns once.
   one_routine : assert always begun = '1' -> (calls = '0' or routine = '0') and (returns = '0' or routine = '1');
+
+  -- A routine does not return at once, because its caller is known a clock later.
+  return_is_later : assert always begun = '1' and calls = '1' -> fetched(do_return) = '0';
 
   -- No routine is open at the end of the work.
   routine_ends : assert always begun = '1' and busy = '0' -> routine = '0';

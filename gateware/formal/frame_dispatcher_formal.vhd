@@ -21,18 +21,24 @@ entity frame_dispatcher_formal is
     publish_overrun : in std_ulogic;
     frame_valid     : in std_ulogic;
     frame_entry     : in entry_t;
-    ready_to_begin  : in std_ulogic   -- the program asks for work
+    asks            : in std_ulogic;  -- the program asks for work
+    ready_to_begin  : in std_ulogic
   );
 end entity;
 
 architecture properties of frame_dispatcher_formal is
 
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
-  signal pending, begins : std_ulogic;
-  signal entry   : entry_t;
+  signal pending, begins : std_ulogic;  -- what was chosen in the clock before may begin, and begins
+  signal wants   : std_ulogic;
+  signal choice  : entry_t;
+  signal counted : std_ulogic;
   signal kind    : natural range 0 to 31;
+  signal kind_before  : natural range 0 to 31 := 0;
+  signal wants_before : std_ulogic := '0';
   signal post    : std_ulogic;         -- the frame is a post, which needs no room
   signal line_overran : std_ulogic := '0';
+  signal reports      : std_ulogic;    -- what begins is the overrun of the line
 
 begin
 
@@ -42,19 +48,22 @@ begin
     port map (
       clock => clk, reset => reset, turned => turned, tripped => tripped, publish => publish, room => room,
       receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => frame_valid,
-      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry);
+      frame_entry => frame_entry, asks => asks, begins => begins, wants => wants, choice => choice,
+      pending => pending, counted => counted);
 
-  begins <= pending and ready_to_begin;
-  kind   <= to_integer(unsigned(entry));
+  begins <= asks and pending and ready_to_begin;
+  kind   <= to_integer(unsigned(choice));
   post   <= '1' when unsigned(frame_entry) = 4 or unsigned(frame_entry) = 6 else '0';
+
+  reports <= '1' when kind_before = entry_receive_overrun else '0';
 
   watch : process (clk) is
   begin
     if rising_edge(clk) then
       begun <= '1';
-      line_overran <= receive_overrun or
-                      (line_overran and not (begins and
-                                                entry ?= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5))));
+      kind_before  <= kind;
+      wants_before <= wants;
+      line_overran <= receive_overrun or (line_overran and not (begins and reports));
       if reset = '1' then
         line_overran <= '0';
       end if;
@@ -68,35 +77,42 @@ begin
   frames_are_frames : assume always unsigned(frame_entry) < entry_trip;
 
   -- A trip is counted before any frame or publish begins, so the count that a host reads is never too low.
-  trip_before_frames : assert always begun = '1' and tripped = '1' -> pending = '1' and
+  trip_before_frames : assert always begun = '1' and tripped = '1' -> wants = '1' and
                        (kind = entry_trip or kind = entry_half_turn or
                         kind = entry_receive_overrun or kind = entry_publish_overrun);
 
   -- A publish begins only if there is room for all of it.
-  publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish ->
+  publish_has_room : assert always begun = '1' and wants = '1' and kind = entry_publish ->
                      publish = '1' and room = '1';
 
   -- If there is room, a publish goes before every frame.
-  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' ->
+  publish_before_frames : assert always begun = '1' and wants = '1' and publish = '1' and room = '1' ->
                           not (kind < 16);
 
   -- Without room, a publish does not make a post wait.
-  post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> pending = '1';
+  post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> wants = '1';
 
   -- An overrun of the line is reported, and nothing else is reported as one.
-  overrun_is_told : assert always begun = '1' and kind = entry_receive_overrun and pending = '1' -> line_overran = '1';
+  overrun_is_told : assert always begun = '1' and kind = entry_receive_overrun and wants = '1' -> line_overran = '1';
 
   -- An overrun is kept until it is reported.
-  overrun_waits : assert always begun = '1' and line_overran = '1' -> pending = '1' and
+  overrun_waits : assert always begun = '1' and line_overran = '1' -> wants = '1' and
                   (kind = entry_receive_overrun or kind = entry_half_turn);
 
   -- Nothing begins without a cause.
-  has_a_cause : assert always begun = '1' and pending = '1' and kind < entry_trip -> frame_valid = '1';
+  has_a_cause : assert always begun = '1' and wants = '1' and kind < entry_trip -> frame_valid = '1';
+
+  -- What begins was chosen in the clock before.
+  begins_what_was_chosen : assert always begun = '1' and begins = '1' -> wants_before = '1';
+
+  -- A trip is counted when it begins.
+  trip_is_counted : assert always begun = '1' -> (counted = '1' and begins = '1' and kind_before = entry_trip) or
+                    (counted = '0' and (begins = '0' or kind_before /= entry_trip));
 
   -- A post begins while a publish is due.
-  post_seen : cover {begun = '1' and begins = '1' and publish = '1' and kind = 4};
+  post_seen : cover {begun = '1' and begins = '1' and publish = '1' and kind_before = 4};
 
   -- A publish begins.
-  publish_seen : cover {begun = '1' and begins = '1' and kind = entry_publish};
+  publish_seen : cover {begun = '1' and begins = '1' and kind_before = entry_publish};
 
 end architecture;

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Property of the sequencer: the current instruction is the one at the decided position, after any step, jump or reset.
--- The proof of frame_application uses this to take its instructions from the position, which has 8 bits instead of 80.
+-- Properties of the sequencer: the instruction is the one at the decided position, and so is the one after it, after
+-- any step, jump, wait or reset. The proof of frame_application uses this to take its instructions from the positions,
+-- which have 8 bits instead of 80.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,6 +24,8 @@ entity frame_sequencer_formal is
     size      : in unsigned(2 downto 0);
     -- Observed signals of the design.
     steps     : in std_ulogic;
+    fetches   : in std_ulogic;
+    skips     : in std_ulogic;
     position  : in unsigned(7 downto 0)
   );
 end entity;
@@ -43,10 +46,13 @@ architecture properties of frame_sequencer_formal is
 
   constant program : frame_program_t := numbered;
 
-  signal begun        : std_ulogic := '0';  -- the reset of power-up is over
-  signal instruction  : frame_instruction_t;
-  signal position_now : unsigned(7 downto 0);
-  signal jump, first, last : std_ulogic;
+  signal begun           : std_ulogic := '0';  -- the reset of power-up is over
+  signal instruction, ahead : frame_instruction_t;
+  signal position_ahead, position_now : unsigned(7 downto 0) := (others => '0');
+  signal idle            : std_ulogic := '1';  -- nothing is executed
+  signal jumped          : std_ulogic := '0';
+  signal target          : unsigned(7 downto 0) := (others => '0');
+  signal judges, idles, first, last : std_ulogic;
 
 begin
 
@@ -56,14 +62,24 @@ begin
     generic map (program => program, sizes => true)
     port map (
       clock => clk, reset => reset, act => act, holds => holds, begins => begins, entry => entry,
-      operation => operation, size => size, instruction => instruction, jump => jump, first => first, last => last);
+      operation => operation, size => size, instruction => instruction, ahead => ahead, judges => judges,
+      idles => idles, first => first, last => last);
 
   watch : process (clk) is
   begin
     if rising_edge(clk) then
-      begun <= '1';
-      if steps = '1' or reset = '1' then
-        position_now <= position;
+      begun  <= '1';
+      jumped <= steps and holds and not instruction(do_begin) and not reset;
+      target <= unsigned(instruction(target_f'right + 7 downto target_f'right));
+      if fetches = '1' then
+        position_ahead <= position;
+      end if;
+      if steps = '1' then
+        position_now <= position_ahead;
+        idle         <= skips;
+      end if;
+      if reset = '1' then
+        idle <= '1';
       end if;
     end if;
   end process;
@@ -71,16 +87,23 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The instruction is the one at the last decided position.
-  instruction_is_there : assert always begun = '1' -> instruction = program(to_integer(position_now));
+  -- The instruction ahead is the one at the last decided position.
+  ahead_is_there : assert always begun = '1' -> ahead = program(to_integer(position_ahead));
+
+  -- The instruction is the one that was ahead, or none after a jump, a wait or a reset.
+  instruction_is_there : assert always begun = '1' -> idles = idle and
+                         instruction = loaded(program(to_integer(position_now)), idle);
 
   -- After a reset it starts at position 0.
-  starts_at_zero : assert always reset = '1' -> next (position_now = 0);
+  starts_at_zero : assert always reset = '1' -> next (position_ahead = 0 and idle = '1');
+
+  -- A jump leads to its target.
+  jumps_to_target : assert always begun = '1' and jumped = '1' -> position_ahead = target and idle = '1';
 
   -- It goes to the next instruction only when all parts of the current one are done.
-  steps_when_done : assert always begun = '1' and steps = '1' -> act = '1' and (last = '1' or jump = '1');
+  steps_when_done : assert always begun = '1' and steps = '1' -> act = '1' and last = '1';
 
   -- It reaches the second half of the program.
-  goes_on : cover {begun = '1' and reset = '0' and steps = '1' and position_now > 128};
+  goes_on : cover {begun = '1' and reset = '0' and steps = '1' and idle = '0' and position_now > 128};
 
 end architecture;

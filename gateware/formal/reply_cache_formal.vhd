@@ -14,6 +14,7 @@ entity reply_cache_formal is
   port (
     clk          : in std_ulogic;
     id           : in std_ulogic_vector(15 downto 0);
+    place_next   : in byte_t;
     one_before   : in std_ulogic;
     remember     : in std_ulogic;
     status_in    : in std_ulogic_vector(3 downto 0);
@@ -22,7 +23,8 @@ entity reply_cache_formal is
     start        : in std_ulogic;
     keep         : in std_ulogic;
     data_in      : in byte_t;
-    recall       : in std_ulogic
+    recall       : in std_ulogic;
+    entry        : in std_ulogic_vector(23 downto 0)  -- of the design: the place that was looked up
   );
 end entity;
 
@@ -38,17 +40,18 @@ architecture properties of reply_cache_formal is
   signal data_out : byte_t;
 
   -- The last id executed in each place. There are two places: even and odd ids.
-  signal last_0, last_1     : turn_t := (others => '0');
+  signal last_0, last_1     : turn_t := (others => '1');
   signal status_0, status_1 : std_ulogic_vector(3 downto 0) := "0000";
   signal known_0, known_1   : std_ulogic := '0';  -- the place has been written
   signal last        : turn_t;
   signal last_status : std_ulogic_vector(3 downto 0);
   signal known       : std_ulogic;
-  signal distance    : turn_t;
+  signal distance    : turn_t;                     -- of `id` a clock ago; while `looks`, it is that of now, too
 
-  signal steady      : natural range 0 to 1 := 0;  -- clocks without a change of the cache
+  signal steady      : natural range 0 to 2 := 0;  -- clocks without a change of the cache
   signal id_now      : std_ulogic_vector(15 downto 0) := (others => '0');
-  signal before_now  : std_ulogic := '0';
+  signal before_now, before_then : std_ulogic := '0';
+  signal place_now, place_then   : std_ulogic := '0';
   signal looks       : std_ulogic;                 -- the verdict is about `id`
 
 begin
@@ -58,26 +61,31 @@ begin
   dut : entity work.reply_cache
     generic map (window => window)
     port map (
-      clock => clk, id => id, before => one_before, new_id => new_id, repeated => repeated, order => order,
-      status => status, kept => kept, too_long => too_long, remember => remember, status_in => status_in,
-      forget => forget, forget_index => forget_index, start => start, keep => keep, data_in => data_in,
-      recall => recall, data_out => data_out);
+      clock => clk, id => id, place_next => place_next, before => one_before, new_id => new_id,
+      repeated => repeated, order => order, status => status, kept => kept, too_long => too_long, remember => remember,
+      status_in => status_in, forget => forget, forget_index => forget_index, start => start, keep => keep,
+      data_in => data_in, recall => recall, data_out => data_out);
 
   last        <= last_1 when id(0) = '1' else last_0;
   last_status <= status_1 when id(0) = '1' else status_0;
   known       <= known_1 when id(0) = '1' else known_0;
-  distance    <= unsigned(id(15 downto 1)) - last;
-  looks       <= '1' when steady >= 1 and id = id_now and one_before = '0' and before_now = '0' and
-                         known = '1' else '0';
+  looks       <= '1' when steady = 2 and id = id_now and place_now = id(0) and place_then = id(0) and
+                         (one_before or before_now or before_then) = '0' and known = '1' else '0';
 
   watch : process (clk) is
     variable place : std_ulogic;
     variable turn  : turn_t;
   begin
     if rising_edge(clk) then
-      id_now     <= id;
-      before_now <= one_before;
-      steady     <= 1;
+      id_now      <= id;
+      distance    <= unsigned(id(15 downto 1)) - last;
+      before_now  <= one_before;
+      before_then <= before_now;
+      place_now   <= place_next(0);
+      place_then  <= place_now;
+      if steady < 2 then
+        steady <= steady + 1;
+      end if;
       if remember = '1' or forget = '1' then
         steady <= 0;
         place  := id(0);
@@ -104,6 +112,14 @@ begin
 
   -- An executed id has a status other than 1111. A place that is forgotten has the status 1111, which means none.
   status_is_one : assume always (remember = '0' or status_in /= "1111") and (forget = '0' or status_in = "1111");
+
+  -- The place that was looked up holds what was last executed there.
+  entry_is_the_last : assert always steady >= 1 and before_now = '0' and
+                      ((place_now = '0' and known_0 = '1') or (place_now = '1' and known_1 = '1')) ->
+                      (place_now = '1' or (entry(23 downto 9) = not std_ulogic_vector(last_0) and
+                                           entry(8 downto 5) = status_0)) and
+                      (place_now = '0' or (entry(23 downto 9) = not std_ulogic_vector(last_1) and
+                                           entry(8 downto 5) = status_1));
 
   -- An id that was executed is never new. So it opens the bus once, unless a later id has taken its place.
   never_twice : assert always looks = '1' and distance = 0 -> new_id = '0';

@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- Executes the requests of the framed protocol, each of them once, and answers them. Between requests it publishes
--- groups. It is a small processor that executes one instruction per clock. Block RAM holds its program
--- (frame_program_pkg), its words, the executed ids (`places`) and their replies (`cache`).
+-- groups. It is a small processor that executes one instruction per clock. A jump costs one more. Block RAM holds its
+-- program (frame_program_pkg), its words, the executed ids (`places`) and their replies (`cache`).
 --
 -- Ports     See frame_receiver (request, take, rewind, request_done), frame_transmitter (reply and its ports), bii_pkg,
 --           subscription_pkg and dead_man_pkg, whose `alive` does not come from here.
 --           epoch: FFFF while no session is open. overrun: one-clock pulses, each of which is counted.
 --           may_begin: low while another application has the bus. busy: this application has it.
--- Latency   With a 2-clock bus and 2 address bytes, 8 clocks from a read request to the kind of its reply. There can be
---           a read every 17 clocks, and a post every 12.
+-- Latency   With a 2-clock bus and 2 address bytes, 9 clocks from a read request to the kind of its reply. There can be
+--           a read every 18 clocks, and a post every 14.
 -- Errors    The status values of docs/protocol.md. A refused request changes nothing except counters.
 -- Arbitration  Publishes first, then requests. It changes only between messages.
 -- Pressure  While reply_ready is low, the program stops where it wants to send. So an answer waits for room, and all
@@ -80,11 +80,17 @@ architecture rtl of frame_application is
 
   signal instruction  : frame_instruction_t;
   signal number_now, said, recalled : byte_t;
-  signal first, last, holds, jump, pending, begins : std_ulogic;
+  signal first, last, holds, pending, begins : std_ulogic;
   signal act_now      : std_ulogic;  -- the instruction is executed in this clock
+  signal sets_rate    : std_ulogic;  -- and waits for the end of that
   signal does         : std_ulogic;  -- unless it waited for an access that failed
   signal finishes     : std_ulogic;  -- and this is its last time
-  signal entry        : entry_t;
+  signal choice       : entry_t;     -- what to begin
+  signal counted      : std_ulogic;  -- the trip of the dead-man begins
+  signal looks        : std_ulogic;  -- there is some work
+
+  signal judges, idles : std_ulogic;
+  signal ahead        : frame_instruction_t;  -- the instruction that follows
 
   signal data         : word32_t := (others => '0');
   signal address      : unsigned(address_bits - 1 downto 0) := (others => '0');
@@ -101,6 +107,7 @@ architecture rtl of frame_application is
   signal word_index : pointer_t;
   signal word       : word32_t;
 
+  signal place_next : byte_t;  -- lower byte of the id in the next clock, as far as it matters
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
   signal kept_count              : unsigned(4 downto 0);
@@ -111,7 +118,6 @@ architecture rtl of frame_application is
 
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` is rotated up by a byte
-  signal distance : unsigned(15 downto 0);         -- from the lower half of the word to the lower half of `data`
   signal reads, writes, holds_bus, found, access_done, failed, silent_bus, denied_write : std_ulogic;
 
 begin
@@ -124,9 +130,18 @@ begin
   sequencer : entity work.frame_sequencer
     generic map (program => program, sizes => exchanges > 0)
     port map (
-      clock => clock, reset => reset, act => act_now, holds => holds, begins => begins, entry => entry,
-      operation => request.entry(3 downto 0), size => size, instruction => instruction, jump => jump, first => first,
-      last => last);
+      clock => clock, reset => reset, act => act_now, holds => holds, begins => begins,
+      entry => choice, operation => request.entry(3 downto 0), size => size, instruction => instruction,
+      ahead => ahead, judges => judges, idles => idles, first => first, last => last);
+
+  judge : entity work.frame_judge
+    generic map (lists => lists, exchanges => exchanges > 0, deadman => deadman)
+    port map (
+      clock => clock, judges => judges, ahead => ahead, instruction => instruction, idles => idles,
+      request => request, reply_idle => reply_idle, data => data, word => word, pointer => resize(pointer, 10),
+      count => count, flags => flags, marks => marks, shape => shape, new_id => new_id, repeated => repeated,
+      not_kept => not_kept, unordered => unordered, failed => failed, silent_bus => silent_bus,
+      denied_write => denied_write, half => half, holds => holds);
 
   memory : entity work.frame_memory
     generic map (content => content)
@@ -136,10 +151,10 @@ begin
   cache : entity work.reply_cache
     generic map (window => settings.window)
     port map (
-      clock => clock, id => id, before => instruction(do_before), new_id => new_id, repeated => repeated,
-      order => unordered, status => kept_status, kept => kept_count, too_long => not_kept, remember => remember,
-      status_in => status_now, forget => forget, forget_index => pointer(6 downto 0), start => starts, keep => keep,
-      data_in => said, recall => recall, data_out => recalled);
+      clock => clock, id => id, place_next => place_next, before => instruction(do_before), new_id => new_id,
+      repeated => repeated, order => unordered, status => kept_status, kept => kept_count, too_long => not_kept,
+      remember => remember, status_in => status_now, forget => forget, forget_index => pointer(6 downto 0),
+      start => starts, keep => keep, data_in => said, recall => recall, data_out => recalled);
 
   timer : entity work.frame_clock
     port map (clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned);
@@ -149,7 +164,8 @@ begin
     port map (
       clock => clock, reset => reset, turned => turned, tripped => dead_man_response.uncounted, publish => publish,
       room => reply_ready, receive_overrun => receive_overrun, publish_overrun => publish_overrun,
-      frame_valid => request.valid, frame_entry => request.entry, begins => begins, pending => pending, entry => entry);
+      frame_valid => request.valid, frame_entry => request.entry, asks => instruction(do_begin), begins => begins,
+      wants => looks, choice => choice, pending => pending, counted => counted);
 
   bus_access : entity work.frame_bus
     generic map (address_width => settings.address_width, data_width => settings.data_width)
@@ -162,56 +178,16 @@ begin
   -- What to do next.
 
   number_now <= instruction(number_f);
-  distance   <= unsigned(data(15 downto 0)) - unsigned(word(15 downto 0));
-
-  judge : process (all)
-  begin
-    case to_integer(unsigned(instruction(condition_f))) is
-      when if_missing      => holds <= request.missing;
-      when if_left_not     => holds <= to_bit(request.left /= unsigned(number_now));
-      when if_left_other   =>
-        holds <= to_bit(resize(request.left, 9) /= unsigned(data(8 downto 0))) and to_bit(exchanges > 0);
-      when if_not_plain    =>
-        holds <= to_bit(request.left /= unsigned(number_now)) or request.chained or request.barrier;
-      when if_chained      => holds <= request.chained;
-      when if_barrier      => holds <= request.barrier;
-      when if_some_left    => holds <= or count;
-      when if_not_new      => holds <= not new_id;
-      when if_duplicate    => holds <= repeated;
-      when if_not_kept     => holds <= not_kept;
-      when if_order        => holds <= unordered;
-      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));  -- faster than the distance
-      when if_half_lower   => holds <= distance(15);
-      when if_flag         => holds <= or (flags and number_now);
-      when if_mark         => holds <= or (marks and number_now);
-      when if_shape        => holds <= or (shape and number_now) and to_bit(lists);
-      when if_low          => holds <= to_bit(data(7 downto 0) = number_now);
-      when if_low_not      => holds <= to_bit(data(7 downto 0) /= number_now);
-      when if_above        =>
-        holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
-      when if_top          => holds <= data(31) and to_bit(exchanges > 0);
-      when if_no_register  =>
-        holds <= not to_bit(pointer <= control_spec_hash_low_c or
-                            (pointer >= control_frames_c and pointer <= control_deadman_trips_c) or
-                            (pointer >= control_time_low_c and pointer <= control_publish_c));
-      when if_pointer      => holds <= to_bit(resize(pointer, 8) = unsigned(number_now));
-      when if_failed       => holds <= failed;
-      when if_silent       => holds <= silent_bus;
-      when if_denied       => holds <= denied_write and to_bit(deadman);
-      when if_busy         => holds <= not reply_idle;
-      when if_rate_pending => holds <= not subscription_response.done;
-      when if_half_turn    => holds <= half;
-      when always          => holds <= '1';
-      when others          => holds <= '0';
-    end case;
-  end process;
 
   says     <= instruction(say_f'left) or or instruction(say_f'left - 1 downto say_f'right);
-  act_now  <= (reply_ready or not says) and (access_done or not instruction(do_await));
-  does     <= act_now and not (instruction(do_await) and failed);
+  act_now  <= (reply_ready or not says) and (access_done or not instruction(do_await)) and
+              (subscription_response.done or not sets_rate);
+  does     <= (reply_ready or not says) and ((access_done and not failed) or not instruction(do_await)) and
+              (subscription_response.done or not sets_rate);
   finishes <= does and last;
+  sets_rate <= to_bit(instruction(manage_f) = manage_rate and groups > 0);
   begins   <= instruction(do_begin) and pending and may_begin;
-  wants    <= instruction(do_begin) and pending;
+  wants    <= instruction(do_begin) and looks;
   busy     <= not instruction(do_begin);
 
   -- What is sent.
@@ -261,10 +237,12 @@ begin
     take_bytes <= x"01";
   end generate;
 
-  rewind       <= (finishes and instruction(do_rewind)) or begins;
+  rewind       <= (finishes and instruction(do_rewind)) or instruction(do_begin);
   request_done <= finishes and instruction(do_done);
 
   word_index <= pointer when instruction(do_pointer) = '1' else resize(unsigned(number_now), pointer'length);
+
+  place_next <= request.data when instruction(take_f) = take_id else id(7 downto 0);
 
   remember <= finishes and instruction(do_place);
   forget   <= finishes and to_bit(instruction(special_f) = forget_place);
@@ -274,8 +252,8 @@ begin
   look     <= finishes and to_bit(instruction(special_f) = half_turn);
   publish   <= subscription_response.publish and flags(2);
 
-  reads     <= finishes and not jump and instruction(do_read);
-  writes    <= finishes and not jump and instruction(do_write);
+  reads     <= finishes and not holds and instruction(do_read);
+  writes    <= finishes and not holds and instruction(do_write);
   holds_bus <= finishes and to_bit(instruction(special_f) = hold_bus);
 
   -- The registers.
@@ -417,7 +395,7 @@ begin
   dead_man_request <= (
     alive => '0', start => finishes and to_bit(instruction(special_f) = start_dead_man), ticks => data,
     trip => sets and number_now(0), arm => clears and number_now(0), renew => clears and number_now(3),
-    counted => begins and to_bit(entry = std_ulogic_vector(to_unsigned(entry_trip, 5))));
+    counted => counted);
 
   manage_groups : process (all)
   begin
@@ -426,12 +404,12 @@ begin
     subscription_request.place        <= '0' & count;
     subscription_request.word         <= data;
     subscription_request.rate         <= data;
+    subscription_request.write_rate   <= sets_rate;
     if finishes = '1' then
       case instruction(manage_f) is
         when manage_word    => subscription_request.write_word   <= '1';
         when manage_fill    => subscription_request.fill         <= '1';
         when manage_empty   => subscription_request.empty        <= '1';
-        when manage_rate    => subscription_request.write_rate   <= '1';
         when manage_event   => subscription_request.write_event  <= '1';
         when manage_publish =>
           subscription_request.enable  <= data(0);

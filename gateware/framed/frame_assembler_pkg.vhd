@@ -36,8 +36,7 @@ package frame_assembler_pkg is
     forget_next, forgotten,
     -- requests
     general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch,
-    skip_barrier, check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read,
-    exec_write,
+    skip_barrier, check_order, check_barrier, not_new, duplicate, duplicate_next, repeat, exec_read, exec_write,
     -- control registers, time, dead-man
     registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
     registers_kept, registers_say, turn_down, write_arm,
@@ -45,16 +44,17 @@ package frame_assembler_pkg is
     -- posts
     post_other, post_old, post_denied, post_stopped, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
-    list_start, list_op, list_pass, list_values, list_more, list_masks, list_once, list_reads, list_plain, list_free,
+    list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads, list_plain,
+    list_free,
     list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads,
-    run_read, run_next, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed,
+    run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed,
     list_failed, list_unposted,
     -- exchange groups
-    define_output, define_outputs, define_input, define_inputs, define_barrier, define_go, define_entry, define_entries,
+    define_outputs, define_second, define_inputs, define_entries,
     exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
     exchange_inputs,
     -- publish groups
-    group_word, group_words, group_go, group_rate, group_store, group_end, publish_word, publish_failed);
+    group_words, group_go, group_store, group_filled, group_end, publish_word, publish_end, publish_failed);
 
   type labels_t is array (label_t) of natural;
 
@@ -133,9 +133,6 @@ package body frame_assembler_pkg is
     end if;
     p.code(p.here) := i;
     p.code(p.here)(condition_f) := std_ulogic_vector(to_unsigned(condition, 5));
-    if condition = if_missing then
-      p.code(p.here)(if_any_time) := '1';
-    end if;
     if condition /= never then
       p.code(p.here)(target_f) := std_ulogic_vector(to_unsigned(p.labels(target), 9));
     end if;
@@ -198,7 +195,9 @@ package body frame_assembler_pkg is
 
   procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done) is
   begin
-    put(p, i or act(do_call), always, label_name);
+    put(p, i or act(do_call));
+    p.code(p.last)(target_f)    := std_ulogic_vector(to_unsigned(p.here, 9));
+    p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
   end procedure;
 
   procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural) is

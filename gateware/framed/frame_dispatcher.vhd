@@ -2,10 +2,12 @@
 --
 -- Chooses what the framed application does next: an event of the core, a publish, or the next frame.
 --
--- Ports     entry: see frame_pkg; valid while `pending`. begins: the entry is taken. receive_overrun, publish_overrun:
---           one-clock pulses, each kept until it is taken. tripped: the dead-man has tripped, and the trip is not yet
---           counted. room: the transmitter takes a whole payload.
--- Latency   None.
+-- Ports     asks: the program asks for work. wants: there is some. choice: what it is now, an entry of frame_pkg.
+--           pending: there was some in the clock before, and the program asked for it. begins: what was chosen then is
+--           taken. counted: it is the trip.
+--           receive_overrun, publish_overrun: one-clock pulses, each kept until it is taken. tripped: the dead-man has
+--           tripped, and the trip is not yet counted. room: the transmitter takes a whole payload.
+-- Latency   None to `choice`, and one clock to `pending`.
 -- Errors    None. An overrun of the line that comes while another one waits is merged with it. Up to 15 overruns of
 --           publishes wait.
 -- Arbitration  In this order: half_turn, overruns, tripped, publishes, frames.
@@ -17,6 +19,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
 
@@ -36,9 +39,12 @@ entity frame_dispatcher is
     publish_overrun : in  std_ulogic;
     frame_valid     : in  std_ulogic;
     frame_entry     : in  entry_t;
+    asks            : in  std_ulogic;
     begins          : in  std_ulogic;
+    wants           : out std_ulogic;
+    choice          : out entry_t;
     pending         : out std_ulogic;
-    entry           : out entry_t
+    counted         : out std_ulogic
   );
 end entity;
 
@@ -46,12 +52,16 @@ architecture rtl of frame_dispatcher is
 
   signal receive_overran : std_ulogic := '0';
   signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not yet taken
-  signal choice : entry_t;
+  signal due    : std_ulogic;
+  signal chosen : entry_t;  -- in this clock
+  signal line_overran, overran, counts : std_ulogic := '0';  -- what was chosen in the clock before
   signal says_nothing : std_ulogic;  -- the frame gets no answer
 
 begin
 
-  entry <= choice;
+  wants   <= due;
+  choice  <= chosen;
+  counted <= begins and counts;
 
   silence : process (all)
   begin
@@ -65,43 +75,46 @@ begin
 
   choose : process (all)
   begin
-    pending <= '1';
-    choice  <= frame_entry;
+    due    <= '1';
+    chosen <= frame_entry;
     if turned = '1' then
-      choice <= std_ulogic_vector(to_unsigned(entry_half_turn, 5));
+      chosen <= std_ulogic_vector(to_unsigned(entry_half_turn, 5));
     elsif receive_overran = '1' then
-      choice <= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5));
+      chosen <= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5));
     elsif publishing and publish_overruns /= 0 then
-      choice <= std_ulogic_vector(to_unsigned(entry_publish_overrun, 5));
+      chosen <= std_ulogic_vector(to_unsigned(entry_publish_overrun, 5));
     elsif deadman and tripped = '1' then
-      choice <= std_ulogic_vector(to_unsigned(entry_trip, 5));
+      chosen <= std_ulogic_vector(to_unsigned(entry_trip, 5));
     elsif publishing and publish = '1' and room = '1' then
-      choice <= std_ulogic_vector(to_unsigned(entry_publish, 5));
+      chosen <= std_ulogic_vector(to_unsigned(entry_publish, 5));
     elsif publishing and publish = '1' then
-      pending <= frame_valid and says_nothing;
+      due <= frame_valid and says_nothing;
     else
-      pending <= frame_valid;
+      due <= frame_valid;
     end if;
   end process;
 
   note : process (clock)
   begin
     if rising_edge(clock) then
+      pending <= asks and due and not begins;
+      line_overran <= to_bit(unsigned(chosen) = entry_receive_overrun);
+      overran      <= to_bit(unsigned(chosen) = entry_publish_overrun and publishing);
+      counts       <= to_bit(unsigned(chosen) = entry_trip and deadman);
       receive_overran <= receive_overran or receive_overrun;
-      if publish_overrun = '1' and not (begins = '1' and unsigned(choice) = entry_publish_overrun) then
+      if publish_overrun = '1' and not (begins = '1' and overran = '1') then
         if publish_overruns /= 15 then
           publish_overruns <= publish_overruns + 1;
         end if;
-      elsif publish_overrun = '0' and begins = '1' and unsigned(choice) = entry_publish_overrun then
+      elsif publish_overrun = '0' and begins = '1' and overran = '1' then
         publish_overruns <= publish_overruns - 1;
       end if;
-      if begins = '1' then
-        if unsigned(choice) = entry_receive_overrun then
-          receive_overran <= receive_overrun;
-        end if;
+      if begins = '1' and line_overran = '1' then
+        receive_overran <= receive_overrun;
       end if;
       if reset = '1' then
-        receive_overran  <= '0';
+        pending          <= '0';
+        receive_overran   <= '0';
         publish_overruns <= (others => '0');
       end if;
     end if;

@@ -23,17 +23,12 @@ package body frame_group_pkg is
 
   procedure define_exchange(p : inout assembler_t; s : frame_settings_t) is
 
-    procedure check_members(entry, next_entry : label_t) is
+    -- Checks the address and the number of bytes of each member, and adds that number to a word.
+    procedure check_members(next_entry, done : label_t; sum : natural) is
     begin
       put(p, also(load_count));
       at(p, next_entry);
-      put(p, nothing_done, if_some_left, entry);
-    end procedure;
-
-    -- Checks the address and the number of bytes, and adds that number to a word.
-    procedure check_member(entry, next_entry : label_t; sum : natural) is
-    begin
-      at(p, entry);
+      put(p, act(if_not), if_some_left, done);
       put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
       put(p, take(take_first), if_missing, invalid);
       put(p, number(0), if_low, invalid);
@@ -52,12 +47,10 @@ package body frame_group_pkg is
     take_bytes(p, 2, if_missing, invalid);
     put(p, store(store_data, word_counts));
     put(p, data(data_turn) or times(3));
-    check_members(define_output, define_outputs);
+    check_members(define_outputs, define_second, word_out_size);
+    at(p, define_second);
     load(p, word_counts);
-    check_members(define_input, define_inputs);
-    go_to(p, form_end);
-    check_member(define_output, define_outputs, word_out_size);
-    check_member(define_input, define_inputs, word_in_size);
+    check_members(define_inputs, form_end, word_in_size);
 
     at_check(p, request_kind_define_exchange_c);
     put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
@@ -76,9 +69,7 @@ package body frame_group_pkg is
     load(p, word_out_size);
     put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
     at(p, define_entries);
-    put(p, nothing_done, if_some_left, define_entry);
-    go_to(p, write_ok);
-    at(p, define_entry);
+    put(p, act(if_not), if_some_left, write_ok);
     if s.address_bytes = 4 then
       take_bytes(p, 4);
       put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
@@ -179,11 +170,8 @@ package body frame_group_pkg is
     put(p, take(take_first), if_missing, invalid);
     put(p, also(load_count));
     at(p, group_words);
-    put(p, nothing_done, if_some_left, group_word);
-    go_to(p, form_end);
-    at(p, group_word);
-    put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
-    put(p, act(do_count));
+    put(p, act(if_not), if_some_left, form_end);
+    put(p, take(take_skip) or times(s.address_bytes) or act(do_count), if_missing, invalid);
     go_to(p, group_words);
 
     at_check(p, request_kind_define_group_c);
@@ -193,7 +181,7 @@ package body frame_group_pkg is
     put(p, also(load_group));
     for index in 1 to 4 - s.rate_bytes loop
       put(p, take(take_first));
-      put(p, number(0), if_low_not, invalid);  -- a divisor that does not fit the generic
+      put(p, number(0) or act(if_not), if_low, invalid);  -- a divisor that does not fit the generic
     end loop;
     put(p, take(take_skip) or times(s.rate_bytes));
     put(p, take(take_skip));
@@ -205,8 +193,7 @@ package body frame_group_pkg is
     at(p, group_go);
     take_bytes(p, 4);
     put(p, manage(manage_empty));
-    at(p, group_rate);
-    put(p, manage(manage_rate), if_rate_pending, group_rate);
+    put(p, manage(manage_rate));
     put(p, take(take_first));
     put(p, manage(manage_event));
     put(p, take(take_first));
@@ -217,7 +204,9 @@ package body frame_group_pkg is
     at(p, group_store);
     take_bytes(p, s.address_bytes);
     put(p, manage(manage_word) or act(do_count));
-    put(p, nothing_done, if_some_left, group_store);
+    put(p, act(if_not), if_some_left, group_filled);
+    go_to(p, group_store);
+    at(p, group_filled);
     put(p, manage(manage_fill));
     at(p, group_end);
     load(p, word_zero);
@@ -241,7 +230,9 @@ package body frame_group_pkg is
     at(p, publish_word);
     put(p, act(do_find_address) or act(do_read) or act(do_count));
     put(p, act(do_await), if_failed, publish_failed);
-    put(p, say(say_byte, from_word) or times(s.data_bytes), if_some_left, publish_word);
+    put(p, say(say_byte, from_word) or times(s.data_bytes) or act(if_not), if_some_left, publish_end);
+    go_to(p, publish_word);
+    at(p, publish_end);
     put(p, act(do_pointer) or store(store_next, 0) or times(2));
     bump(p, control_publishes_c);
     put(p, say(say_last) or number(device_kind_publish_c));

@@ -2,15 +2,17 @@
 --
 -- An instruction of the framed application's program: what it does, all in one clock, and which instruction follows.
 --
--- The next instruction is `following`, or `target` if the condition holds. An instruction that sends waits for the
--- transmitter. One that begins waits for work. One that awaits waits for the end of the access. An instruction that
--- begins an access and jumps does not begin the access. One that awaits an access that failed only goes on.
--- `number` is the value that is compared, sent, set or used as an address. The word at that address comes one clock
--- later.
+-- The next instruction is `following`, or `target` if the condition holds. A jump costs one clock more. An instruction
+-- that sends waits for the transmitter. One that begins waits for work. One that awaits waits for the end of the
+-- access. An instruction that jumps begins no access. One that awaits an access that failed only
+-- goes on. `number` is the value that is compared, sent, set or used as an address. The word at that address comes one
+-- clock later.
 --
 -- An instruction may be executed several times. It sends, takes and rotates every time, and does everything else only
--- the last time. It also jumps only the last time, except on if_missing, which jumps at any time. So an instruction
--- that loads a word is executed twice: the first time addresses the word.
+-- the last time, jumps too. So an instruction that loads a word is executed twice: the first time addresses the word.
+--
+-- Most conditions are judged in the last clock before the instruction. They do not see what happens in that very clock.
+-- So the assembler lets an instruction wait for a clock, if the one before it changes what the condition reads.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,6 +27,7 @@ package frame_instruction_pkg is
   subtype far_f       is natural range 79 downto 79;  -- of do_point: the highest bit of a place, above `target`
   subtype number_f    is natural range 25 downto 18;
   subtype condition_f is natural range 30 downto 26;
+  subtype seen_f      is natural range 27 downto 26;  -- of the condition, if it is seen in the same clock
   subtype source_f    is natural range 33 downto 31;
   subtype say_f       is natural range 36 downto 34;
   subtype take_f      is natural range 39 downto 37;
@@ -36,41 +39,41 @@ package frame_instruction_pkg is
   subtype times_f     is natural range 57 downto 55;
 
   -- How many times, if not one to four times.
-  constant times_size : std_ulogic_vector(2 downto 0) := "100";  -- `size`
-  constant times_rest : std_ulogic_vector(2 downto 0) := "101";  -- 8 - `size`: rotations that bring so many bytes up
+  constant times_wait : std_ulogic_vector(2 downto 0) := "100";  -- once, a clock later: see frame_timing_pkg
+  constant times_size : std_ulogic_vector(2 downto 0) := "110";  -- `size`
+  constant times_rest : std_ulogic_vector(2 downto 0) := "111";  -- 8 - `size`: rotations that bring so many bytes up
 
-  -- Conditions of a jump.
+  -- Conditions of a jump. The first ones are seen in the same clock, as long as the instruction is executed.
   constant never           : natural := 0;
   constant if_missing      : natural := 1;   -- fewer bytes are left than are taken: one, or the number of take_many
-  constant if_left_not     : natural := 2;   -- not exactly `number` bytes are left
-  constant if_left_other   : natural := 3;   -- the bytes left are not the lowest nine bits of `data`
-  constant if_not_plain    : natural := 4;   -- if_left_not, or the request is chained or has a barrier
-  constant if_chained      : natural := 5;
-  constant if_barrier      : natural := 6;
-  constant if_some_left    : natural := 7;   -- `count` is not zero
-  constant if_not_new      : natural := 8;   -- the id is the last one of its place, or older
-  constant if_duplicate    : natural := 9;   -- the id is the last one of its place
-  constant if_not_kept     : natural := 10;  -- the same, and its reply was not kept
-  constant if_order        : natural := 11;  -- with do_before: the request before was not executed
-  constant if_half_not     : natural := 12;  -- the lower half of `data` differs from that of the word
-  constant if_half_lower   : natural := 13;  -- and is a lower number, modulo 2**16
-  constant if_flag         : natural := 14;  -- one of the flags in `number` is set
-  constant if_mark         : natural := 15;  -- one of the marks in `number` is set
-  constant if_shape        : natural := 16;  -- one of the shape bits in `number` is set
-  constant if_low          : natural := 17;  -- the lowest byte of `data` is `number`
-  constant if_low_not      : natural := 18;
-  constant if_above        : natural := 19;  -- `data` is more than `number`
-  constant if_top          : natural := 22;  -- the highest bit of `data` is set
-  constant if_no_register  : natural := 24;  -- `pointer` is no control register
-  constant if_pointer      : natural := 25;  -- `pointer` is `number`
-  constant if_failed       : natural := 26;  -- the access failed
-  constant if_silent       : natural := 27;  -- the access failed without an answer
-  constant if_denied       : natural := 23;  -- the failed access is a write, and the dead-man has tripped
-  constant if_busy         : natural := 28;  -- a frame is being sent
-  constant if_rate_pending : natural := 29;
-  constant if_half_turn    : natural := 30;  -- the clock's highest bit was one at the last look
+  constant if_not_new      : natural := 2;   -- the id is the last one of its place, or older
+  constant if_failed       : natural := 3;   -- the access failed
 
-  constant always          : natural := 31;
+  -- All others are judged before. These are about `number`.
+  constant if_left_not     : natural := 4;   -- not exactly `number` bytes are left
+  constant if_not_plain    : natural := 5;   -- if_left_not, or the request is chained or has a barrier
+  constant if_half_not     : natural := 6;   -- the lower half of `data` differs from that of the word
+  constant if_half_lower   : natural := 7;   -- and is a lower number, modulo 2**16
+  constant if_low          : natural := 8;   -- the lowest byte of `data` is `number`
+  constant if_above        : natural := 9;   -- `data` is more than `number`
+  constant if_pointer      : natural := 10;  -- `pointer` is `number`
+  constant if_no_register  : natural := 11;  -- `pointer` is no control register
+  constant if_flag         : natural := 12;  -- one of the flags in `number` is set
+  constant if_mark         : natural := 13;  -- one of the marks in `number` is set
+  constant if_shape        : natural := 14;  -- one of the shape bits in `number` is set
+
+  constant if_chained      : natural := 16;
+  constant if_barrier      : natural := 17;
+  constant if_some_left    : natural := 18;  -- `count` is not zero
+  constant if_left_other   : natural := 19;  -- the bytes left are not the lowest nine bits of `data`
+  constant if_duplicate    : natural := 20;  -- the id is the last one of its place
+  constant if_not_kept     : natural := 21;  -- the same, and its reply was not kept
+  constant if_order        : natural := 22;  -- with do_before: the request before was not executed
+  constant if_top          : natural := 26;  -- the highest bit of `data` is set
+  constant if_silent       : natural := 28;  -- the access failed without an answer
+  constant if_denied       : natural := 29;  -- the failed access is a write, and the dead-man has tripped
+  constant if_busy         : natural := 30;  -- a frame is being sent
+  constant if_half_turn    : natural := 31;  -- the clock's highest bit was one at the last look
 
   -- What is sent, and from where.
   constant say_nothing : std_ulogic_vector(2 downto 0) := "000";
@@ -126,7 +129,7 @@ package frame_instruction_pkg is
   constant manage_word    : std_ulogic_vector(3 downto 0) := "0001";
   constant manage_fill    : std_ulogic_vector(3 downto 0) := "0010";
   constant manage_empty   : std_ulogic_vector(3 downto 0) := "0011";
-  constant manage_rate    : std_ulogic_vector(3 downto 0) := "0100";
+  constant manage_rate    : std_ulogic_vector(3 downto 0) := "0100";  -- waits for its end
   constant manage_event   : std_ulogic_vector(3 downto 0) := "0101";
   constant manage_publish : std_ulogic_vector(3 downto 0) := "0110";  -- on or off by bit 0 of `data`; sets the flag
   constant manage_clear   : std_ulogic_vector(3 downto 0) := "1000";
@@ -136,17 +139,17 @@ package frame_instruction_pkg is
   constant set_flags    : std_ulogic_vector(4 downto 0) := "00001";  -- flags in `number`
   constant clear_flags  : std_ulogic_vector(4 downto 0) := "00010";
   constant set_marks    : std_ulogic_vector(4 downto 0) := "00011";  -- marks in `number`; do_begin clears all marks
-  constant load_shape   : std_ulogic_vector(4 downto 0) := "00100";  -- of the operation in `data`; also sets its marks
+  constant load_shape   : std_ulogic_vector(4 downto 0) := "01010";  -- of the operation in `data`; also sets its marks
   constant load_count   : std_ulogic_vector(4 downto 0) := "00101";  -- from the lowest byte of `data`
-  constant load_kept    : std_ulogic_vector(4 downto 0) := "00110";  -- from the length of the cached reply
-  constant load_group   : std_ulogic_vector(4 downto 0) := "01000";  -- from the lowest byte of `data`
-  constant load_size    : std_ulogic_vector(4 downto 0) := "01001";  -- from the highest byte of the word
-  constant load_epoch   : std_ulogic_vector(4 downto 0) := "01010";  -- from the lower half of `data`
-  constant start_dead_man : std_ulogic_vector(4 downto 0) := "01011";  -- for `data` ticks; 0 stops it
-  constant address_up   : std_ulogic_vector(4 downto 0) := "01110";  -- for an operation at rising addresses
-  constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
-  constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit
-  constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place `pointer` gets an id from before the start
+  constant load_kept    : std_ulogic_vector(4 downto 0) := "00100";  -- from the length of the cached reply
+  constant load_group   : std_ulogic_vector(4 downto 0) := "01101";  -- from the lowest byte of `data`
+  constant load_size    : std_ulogic_vector(4 downto 0) := "01110";  -- from the highest byte of the word
+  constant load_epoch   : std_ulogic_vector(4 downto 0) := "00110";  -- from the lower half of `data`
+  constant start_dead_man : std_ulogic_vector(4 downto 0) := "01001";  -- for `data` ticks; 0 stops it
+  constant address_up   : std_ulogic_vector(4 downto 0) := "01011";  -- for an operation at rising addresses
+  constant hold_bus     : std_ulogic_vector(4 downto 0) := "01100";
+  constant half_turn    : std_ulogic_vector(4 downto 0) := "00111";  -- look at the clock's highest bit
+  constant forget_place : std_ulogic_vector(4 downto 0) := "01000";  -- place `pointer` gets an id from before the start
 
   -- Actions with one bit each.
   constant do_begin        : natural := 58;  -- continue with the work in hand; clears `count` and marks, frees the bus
@@ -166,12 +169,15 @@ package frame_instruction_pkg is
   constant do_write        : natural := 72;  -- begin an access
   constant do_await        : natural := 73;  -- wait for the end of the access
   constant do_before       : natural := 74;  -- look at the place of the id before this one
-  constant do_call         : natural := 76;  -- jump, and remember `following`
-  constant do_return       : natural := 77;  -- continue at the remembered `following`
-  constant if_any_time     : natural := 78;  -- the condition counts every time, not only the last time
+  constant do_call         : natural := 76;  -- remember `target`
+  constant do_return       : natural := 77;  -- continue at the remembered `target`
+  constant if_not          : natural := 78;  -- jump if the condition does not hold, which is judged before
   constant do_place        : natural := 75;  -- store the id in its place, with the status in `number`
 
   constant nothing_done : frame_instruction_t := (others => '0');
+
+  -- What is executed of an instruction: nothing, if it is skipped. Conditions that are judged before are left out.
+  function loaded(i : frame_instruction_t; skipped : std_ulogic) return frame_instruction_t;
 
   -- An instruction that does one action. Combine actions with `or`.
   function act(action : natural) return frame_instruction_t;
@@ -189,6 +195,18 @@ package frame_instruction_pkg is
 end package;
 
 package body frame_instruction_pkg is
+
+  function loaded(i : frame_instruction_t; skipped : std_ulogic) return frame_instruction_t is
+    variable done : frame_instruction_t := i;
+  begin
+    if or i(condition_f'left downto seen_f'left + 1) then
+      done(seen_f) := (others => '0');
+    end if;
+    if skipped then
+      done := nothing_done;
+    end if;
+    return done;
+  end function;
 
   function act(action : natural) return frame_instruction_t is
     variable i : frame_instruction_t := nothing_done;

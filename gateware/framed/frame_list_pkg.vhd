@@ -28,8 +28,8 @@ package body frame_list_pkg is
     at(p, list_op);
     put(p, take(take_first), if_missing, invalid);
     put(p, also(load_shape));
-    put(p, number(shape_none), if_shape, invalid);
     put(p, take(take_first), if_missing, invalid);
+    put(p, number(shape_none), if_shape, invalid);
     put(p, also(load_count, 0), if_low, invalid);
     put(p, number(mark_executing), if_mark, run);
     put(p, number(shape_reads), if_shape, list_reads);
@@ -43,7 +43,9 @@ package body frame_list_pkg is
     put(p, take(take_many) or times(s.data_bytes), if_missing, invalid);
     put(p, number(shape_mask), if_shape, list_masks);
     at(p, list_more);
-    put(p, number(0), if_left_not, list_op);
+    put(p, nothing_done, if_missing, list_passed);
+    go_to(p, list_op);
+    at(p, list_passed);
     put(p, number(mark_executing), if_mark, list_executed);
     put(p, number(mark_posting), if_mark, post_formed);
     go_to(p, places);
@@ -91,8 +93,8 @@ package body frame_list_pkg is
     look(s.data_bytes);
     put(p, take(take_data) or times(s.data_bytes) or act(do_write) or counted);
     await;
-    put(p, also(address_up), if_some_left, run_write);
-    go_to(p, list_more);
+    put(p, also(address_up) or act(if_not), if_some_left, list_more);
+    go_to(p, run_write);
 
     at(p, run_reads);
     look(s.address_bytes);
@@ -100,19 +102,20 @@ package body frame_list_pkg is
     at(p, run_read);
     await;
     if s.data_bytes > together then
-      put(p, say(say_kept, from_word) or times(s.data_bytes - together) or also(address_up, word_done),
-          if_some_left, run_next);
+      put(p, say(say_kept, from_word) or times(s.data_bytes - together) or also(address_up, word_done) or
+             act(if_not), if_some_left, run_last);
     else
-      put(p, also(address_up, word_done), if_some_left, run_next);
+      put(p, also(address_up, word_done) or act(if_not), if_some_left, run_last);
     end if;
-    put(p, say(say_kept, from_word) or times(together));
-    go_to(p, list_more);
-    at(p, run_next);  -- takes the address of the next word while the last bytes of this one are sent
+    -- Takes the address of the next word while the last bytes of this one are sent
     if s.address_bytes > together then
       put(p, take(take_item) or times(s.address_bytes - together) or number(word_done));
     end if;
     put(p, say(say_kept, from_word) or take(take_item) or times(together) or act(do_read) or counted);
     go_to(p, run_read);
+    at(p, run_last);
+    put(p, say(say_kept, from_word) or times(together));
+    go_to(p, list_more);
 
     at(p, run_change);
     put(p, take(take_item) or times(s.address_bytes));
@@ -190,7 +193,8 @@ package body frame_list_pkg is
     at(p, post_formed);
     put(p, act(do_rewind));
     put(p, take(take_first) or times(2) or number(word_posts));
-    put(p, number(word_posts), if_half_not, post_other);
+    put(p, number(word_posts));
+    put(p, nothing_done, if_half_not, post_other);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, post_denied);
     end if;

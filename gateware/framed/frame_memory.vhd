@@ -2,16 +2,16 @@
 --
 -- The words of the framed application: control registers, the program's own words, and tables (frame_layout_pkg).
 --
--- Ports     index: the address of a word, which is in `word` one clock later. A clock that stores reads no word.
---           store: see frame_instruction_pkg. enable: goes with `store`, and may come late in the clock. data: the
---           value of store_data.
--- Latency   One clock.
+-- Ports     index: the address of a word, which is in `word` one clock later. store: see frame_instruction_pkg.
+--           enable: goes with `store`, and may come late in the clock. data: the value of store_data.
+-- Latency   One clock. A word is stored one clock late: whoever reads it in the next clock gets any value.
 -- Errors    None.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
 use work.width_pkg.all;
@@ -34,33 +34,39 @@ architecture rtl of frame_memory is
 
   signal words  : word_memory_t(0 to content'length - 1) := content;
   signal looked : word32_t;
-  signal known  : word32_t;  -- known before the first clock, when a block RAM has no output yet
+  signal known  : word32_t;    -- known before the first clock, when a block RAM has no output yet
+  signal full   : std_ulogic;  -- the word is all ones, so it is not counted up
+  signal stores : std_ulogic := '0';
+  signal place  : unsigned(index'range) := (others => '0');
   signal stored : word32_t;
-  signal ones   : std_ulogic;
 
 begin
 
   known <= to_stdulogicvector(to_bitvector(looked));
-  word <= known;
-  ones <= and known;
+  word  <= known;
+  full  <= to_bit(store = store_count) and and known;
 
-  choose : process (all)
+  choose : process (clock)
   begin
-    stored <= data;
-    if store(store'left) = '1' then
-      stored <= std_ulogic_vector(unsigned(looked) + unsigned'("" & (store(store'right) or not ones)));
+    if rising_edge(clock) then
+      stores <= enable and or store and not full;
+      place  <= index;
+      stored <= data;
+      if store(store'left) = '1' then
+        stored <= std_ulogic_vector(unsigned(looked) + 1);
+      end if;
     end if;
   end process;
 
-  -- A clock that stores reads no word, because block RAMs differ in what such a read gives.
   move : process (clock)
   begin
     if rising_edge(clock) then
-      if enable = '1' and store /= store_nothing then
-        words(to_integer(index)) <= stored;
+      if stores = '1' then
+        words(to_integer(place)) <= stored;
       end if;
-      if enable = '0' or store = store_nothing then
-        looked <= words(to_integer(index));
+      looked <= words(to_integer(index));
+      if stores = '1' and place = index then
+        looked <= (others => '-');  -- block RAMs differ in what such a read gives
       end if;
     end if;
   end process;

@@ -22,24 +22,20 @@ package body frame_post_pkg is
   procedure posts(p : inout assembler_t; s : frame_settings_t) is
   begin
     at_entry(p, request_kind_post_c mod 16);
-    put(p, take(take_first) or times(2) or number(1 + s.address_bytes + s.data_bytes), if_left_not, drop_kind);
+    put(p, take(take_first) or times(2) or number(2 + s.address_bytes + s.data_bytes), if_left_not, drop_kind);
+    put(p, take(take_address) or times(s.address_bytes) or number(word_posts));
     if s.address_bytes = 1 then
       put(p, number(word_posts));
     end if;
-    put(p, take(take_address) or times(s.address_bytes) or number(word_posts), if_half_not, post_other);
-    if s.deadman then
-      put(p, number(flag_tripped), if_flag, post_denied);
-    end if;
-    if s.data_bytes = 1 then
-      put(p, number(word_posts));
-    end if;
+    put(p, number(word_posts), if_half_not, post_other);
     put(p, take(take_data) or times(s.data_bytes) or act(do_write) or store(store_next, word_posts));
     bump(p, control_posts_c);
     put(p, act(do_await) or act(do_done), if_failed, post_failed);
     go_to(p, next_work);
 
     at(p, post_other);
-    put(p, number(word_posts), if_half_lower, post_old);
+    put(p, number(word_posts) or times(2));
+    put(p, nothing_done, if_half_lower, post_old);
     bump(p, control_posts_ahead_c, act(do_done));
     go_to(p, next_work);
     at(p, post_old);

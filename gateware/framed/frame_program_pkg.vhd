@@ -16,6 +16,7 @@ use work.frame_list_pkg.all;
 use work.frame_pkg.all;
 use work.frame_post_pkg.all;
 use work.frame_state_pkg.all;
+use work.frame_timing_pkg.all;
 use work.protocol_pkg.all;
 
 package frame_program_pkg is
@@ -212,18 +213,21 @@ package body frame_program_pkg is
     say_half(p, say_byte, word_session);
     point(p, word_hello);
     at(p, hello_next);
-    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
-    put(p, say(say_byte, from_top) or times(4) or number(word_hello + hello_words), if_pointer, end_counted);
+    put(p, data(data_word) or act(do_pointer) or times(2));
+    put(p, say(say_byte, from_top) or times(4) or act(do_point_up) or number(word_hello + hello_words - 1),
+        if_pointer, end_counted);
     go_to(p, hello_next);
 
     at_entry(p, entry_open);
-    put(p, take(take_first) or times(3) or number(3), if_left_not, drop_kind);
-    put(p, take(take_data) or number(16#FF#), if_low, drop_stale);  -- an epoch never begins with FF
+    put(p, take(take_first) or times(3) or number(5), if_left_not, drop_kind);
+    put(p, number(16#FF#), if_low, drop_stale);  -- an epoch never begins with FF
+    put(p, take(take_data));
     put(p, store(store_data, word_operand));
-    put(p, number(word_session));
+    put(p, number(word_session) or times(2));
     put(p, data(data_turn), if_half_not, open_new);
     put(p, data(data_turn) or number(word_own_nonce));
-    put(p, number(word_own_nonce), if_half_not, open_new);
+    put(p, number(word_own_nonce));
+    put(p, nothing_done, if_half_not, open_new);
     go_to(p, open_answer);
     at(p, open_new);
     put(p, number(flag_offered), if_flag, open_offered);
@@ -231,8 +235,9 @@ package body frame_program_pkg is
     at(p, open_offered);
     load(p, word_operand);
     put(p, data(data_turn) or number(word_nonce) or times(2));
+    put(p, number(word_nonce));
     put(p, take(take_first), if_half_not, drop_stale);
-    put(p, number(0), if_low_not, drop_stale);  -- a flag is set
+    put(p, number(0) or act(if_not), if_low, drop_stale);  -- a flag is set
     put(p, also(clear_flags, flag_offered));
     if s.deadman then
       put(p, also(set_flags, flag_tripped));  -- works if it runs
@@ -289,10 +294,10 @@ package body frame_program_pkg is
     end if;
 
     at_entry(p, request_kind_read_c mod 16);
-    put(p, take(take_id) or times(2) or number(1 + s.address_bytes), if_not_plain, general);
+    put(p, take(take_id) or times(2) or number(2 + s.address_bytes), if_not_plain, general);
     at(p, exec_read);
     if s.address_bytes = 1 then
-      put(p, nothing_done);  -- the place is not read yet
+      put(p, nothing_done);  -- the cache is not ready yet
     end if;
     put(p, take(take_address) or times(s.address_bytes) or act(do_read), if_not_new, not_new);
     bump(p, control_frames_c);
@@ -302,16 +307,10 @@ package body frame_program_pkg is
     go_to(p, end_ok);
 
     at_entry(p, request_kind_write_c mod 16);
-    put(p, take(take_id) or times(2) or number(1 + s.address_bytes + s.data_bytes), if_not_plain, general);
+    put(p, take(take_id) or times(2) or number(2 + s.address_bytes + s.data_bytes), if_not_plain, general);
     at(p, exec_write);
-    if s.address_bytes = 1 then
-      put(p, nothing_done);
-    end if;
-    put(p, take(take_address) or times(s.address_bytes), if_not_new, not_new);
-    if s.deadman then
-      put(p, number(flag_tripped), if_flag, denied);
-    end if;
-    put(p, take(take_data) or times(s.data_bytes) or act(do_write));
+    put(p, take(take_address) or times(s.address_bytes));
+    put(p, take(take_data) or times(s.data_bytes) or act(do_write), if_not_new, not_new);
     bump(p, control_frames_c);
     put(p, act(do_await) or say(say_kind) or number(device_kind_reply_c), if_failed, write_failed);
     go_to(p, tail_ok);
@@ -360,12 +359,13 @@ package body frame_program_pkg is
     put(p, take(take_skip) or times(2));
     go_to(p, check_dispatch);
     at(p, check_order);
-    put(p, act(do_before) or times(2), if_order, order);
+    put(p, act(do_before) or times(4));
+    put(p, nothing_done, if_order, order);
     go_to(p, past_order);
     at(p, check_barrier);
     load(p, word_barrier);
-    put(p, number(word_posts));
-    put(p, number(word_posts), if_half_not, behind);
+    put(p, number(word_posts) or times(2));
+    put(p, nothing_done, if_half_not, behind);
     go_to(p, skip_check);
 
     at(p, not_new);
@@ -376,9 +376,7 @@ package body frame_program_pkg is
     put(p, nothing_done, if_not_kept, repeat);
     call(p, head, say(say_kind, from_other));
     at(p, duplicate_next);
-    put(p, nothing_done, if_some_left, duplicate_byte);
-    go_to(p, end_plain);
-    at(p, duplicate_byte);
+    put(p, act(if_not), if_some_left, end_plain);
     put(p, say(say_byte, from_cache) or act(do_count));
     go_to(p, duplicate_next);
     -- For LIST, EXCHANGE or READ_CONTROL. Otherwise the id belongs to another request, and this one is invalid.
@@ -428,6 +426,7 @@ package body frame_program_pkg is
         publishes(p, s);
       end if;
     end loop;
+    wait_for_conditions(p);
     while size < p.free loop
       size := 2 * size;
     end loop;

@@ -72,7 +72,11 @@ architecture rtl of frame_receiver is
   signal run      : unsigned(7 downto 0) := (others => '0');  -- bytes left in the block
   signal whole    : std_ulogic := '1';  -- the block before has no zero at its end
   signal length   : unsigned(7 downto 0) := (others => '0');
-  signal too_long : std_ulogic := '0';
+  signal beyond   : std_ulogic := '0';  -- the payload is longer than that of a request
+  signal too_long : std_ulogic := '0';  -- or than any
+
+  signal closed   : std_ulogic := '0';  -- a frame has ended in the clock before
+  signal fits     : std_ulogic := '0';  -- and is passed on with its payload
 
   signal frame_index : index_t := (others => '0');  -- first byte of the frame
   signal write_index : index_t;                     -- place of the next byte
@@ -88,16 +92,18 @@ architecture rtl of frame_receiver is
   signal pauses       : std_ulogic;
   signal kept         : std_ulogic;
   signal record_in    : std_ulogic_vector(15 downto 0);
-  signal record_out   : std_ulogic_vector(15 downto 0);
+  signal record_read, record_out : std_ulogic_vector(15 downto 0);
   signal record_room, record_valid : std_ulogic;
 
   -- The frame that is being read.
-  signal start_index        : index_t := (others => '0');               -- its first byte
-  signal read_next          : index_t;                                  -- the index that is read
-  signal taken              : unsigned(7 downto 0) := (others => '0');  -- bytes of it that were taken
-  signal taken_next         : unsigned(7 downto 0);
-  signal length_out, left   : unsigned(7 downto 0);
-  signal missing, few       : std_ulogic;
+  signal start_index : index_t := (others => '0');  -- its first byte
+  signal read_index  : index_t := (others => '0');  -- its next byte
+  signal read_next   : index_t;                     -- the same in the next clock
+  signal length_out  : unsigned(7 downto 0);
+  signal left        : unsigned(7 downto 0) := (others => '0');
+  signal bytes       : unsigned(7 downto 0);        -- how many are taken at a time
+  signal missing, few : std_ulogic;
+  signal none        : std_ulogic := '1';           -- none is left
 
 begin
 
@@ -141,7 +147,7 @@ begin
     elsif coded = '0' or at_code = '0' or delay(2) /= check_byte(crc, 0) or
         delay(1) /= check_byte(crc, 1) or delay(0) /= check_byte(crc, 2) then
       entry := entry_check;
-    elsif outside = '0' and length > request_max then
+    elsif outside = '0' and beyond = '1' then
       entry := entry_long;
     elsif outside = '0' and kind(6) = '1' then
       entry := entry_kind;
@@ -185,21 +191,30 @@ begin
         end if;
         if stores = '1' then
           length <= length + 1;
+          if length = request_max then
+            beyond <= '1';
+          end if;
           if length = payload_most then
             too_long <= '1';
           end if;
         end if;
       end if;
-      if judged = '1' and kept = '1' then
+      if (accepts and border) = '1' or reset = '1' then
+        present <= "000";
+        in_cobs <= '0';
+        coded   <= '0';
+        run     <= (others => '0');
+        whole   <= '1';
+      end if;
+      -- A clock later, which is long before the next frame has a byte to store.
+      closed <= accepts and border;
+      fits   <= judged and kept;
+      if fits = '1' then
         frame_index <= write_index;
       end if;
-      if (accepts and border) = '1' or reset = '1' then
-        present  <= "000";
-        in_cobs  <= '0';
-        coded    <= '0';
-        run      <= (others => '0');
-        whole    <= '1';
+      if closed = '1' or reset = '1' then
         length   <= (others => '0');
+        beyond   <= '0';
         too_long <= '0';
       end if;
       if reset = '1' then
@@ -213,7 +228,9 @@ begin
     port map (
       clock => clock, reset => reset,
       write_valid => judged, write_ready => record_room, write_data => record_in,
-      read_valid => record_valid, read_ready => done, read_data => record_out);
+      read_valid => record_valid, read_ready => done, read_data => record_read);
+
+  record_out <= to_stdulogicvector(to_bitvector(record_read));  -- known before the first frame, too
 
   pause : process (clock)
   begin
@@ -245,6 +262,9 @@ begin
   begin
     if rising_edge(clock) then
       request.data <= ring(to_integer(read_next));
+      if stores = '1' and write_index = read_next then
+        request.data <= (others => '-');  -- not part of a frame that was passed on
+      end if;
     end if;
   end process;
 
@@ -257,34 +277,30 @@ begin
   request.missing <= missing;
 
   length_out <= unsigned(record_out(7 downto 0));
-  left       <= length_out - taken;
-  missing    <= few when many else nor left;
-  few        <= '1' when left < take_bytes else '0';
-  read_next  <= start_index + resize(taken_next, index_bits);
+  bytes      <= take_bytes when many else x"01";
+  few        <= '1' when left < bytes else '0';
+  missing    <= few when many else none;
 
-  point : process (all)
-  begin
-    taken_next <= taken + unsigned'("" & (take and not missing));
-    if many then
-      taken_next <= taken + (take_bytes and (7 downto 0 => take and not missing));
-    end if;
-    if done = '1' then
-      taken_next <= length_out;
-    elsif rewind = '1' then
-      taken_next <= (others => '0');
-    end if;
-  end process;
+  read_next <= start_index when rewind = '1' else
+               read_index + resize(bytes, index_bits) when take = '1' and missing = '0' else read_index;
 
   follow : process (clock)
+    variable left_next : unsigned(7 downto 0);
   begin
     if rising_edge(clock) then
-      taken <= taken_next;
+      read_index <= read_next;
+      left_next := left;
+      if rewind = '1' then
+        left_next := length_out;
+      elsif take = '1' and missing = '0' then
+        left_next := left - bytes;
+      end if;
+      left <= left_next;
+      none <= nor left_next;
       if done = '1' then
-        taken       <= (others => '0');
-        start_index <= read_next;
+        start_index <= start_index + resize(length_out, index_bits);
       end if;
       if reset = '1' then
-        taken       <= (others => '0');
         start_index <= (others => '0');
       end if;
     end if;

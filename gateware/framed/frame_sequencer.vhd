@@ -1,17 +1,22 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Fetches the instructions of the framed application, one per clock.
+-- Fetches the instructions of the framed application. One is executed, and the one that follows is fetched meanwhile.
 --
--- Ports     act: the instruction is executed in this clock. holds: its condition holds. entry, operation: where `begin`
---           and `dispatch` lead. begins: there is work. size: see times_size.
---           jump: the next instruction is the target. last: this is its last time. Both are for the current clock.
--- Latency   None between instructions.
+--   position --> | program | --> ahead --> instruction
+--
+-- Ports     act: the instruction is executed in this clock. holds: it jumps. begins: there is work. entry, operation:
+--           where `begin` and `dispatch` lead. `entry` belongs to the clock before `begins`. size: see times_size.
+--           ahead: the instruction that follows. judges: its condition is judged now. idles: nothing is executed, so
+--           nothing jumps. first, last: this is the first or last time of `instruction`.
+-- Latency   None between instructions. A jump costs one clock, and so does an instruction that waits (times_wait). In
+--           that clock nothing is executed.
 -- Errors    None.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_pkg.all;
@@ -32,7 +37,9 @@ entity frame_sequencer is
     operation   : in  std_ulogic_vector(3 downto 0);
     size        : in  unsigned(2 downto 0);
     instruction : out frame_instruction_t;
-    jump        : out std_ulogic;
+    ahead       : out frame_instruction_t;
+    judges      : out std_ulogic;
+    idles       : out std_ulogic;
     first       : out std_ulogic;
     last        : out std_ulogic
   );
@@ -44,16 +51,26 @@ architecture rtl of frame_sequencer is
 
   subtype position_t is unsigned(position_bits - 1 downto 0);
 
-  signal now_done : frame_instruction_t;
-  signal following, position, caller : position_t;
+  signal fetched  : frame_instruction_t;
+  signal following : frame_instruction_t;
+  signal now_done : frame_instruction_t := nothing_done;
+  signal position, caller : position_t;
   signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it was executed
   signal final    : unsigned(2 downto 0);                     -- how often before the last time
-  signal is_last, jumps, step : std_ulogic;
+  signal is_last, step, waits, fetches : std_ulogic;
+  signal skips    : std_ulogic;                               -- the next clock executes nothing
+  signal waited   : std_ulogic := '1';                        -- nothing is executed
+
+  function place(field : std_ulogic_vector) return position_t is
+  begin
+    return resize(unsigned(field), position_bits);
+  end function;
 
 begin
 
-  instruction <= to_stdulogicvector(to_bitvector(now_done));  -- known before the first clock, too
-  jump        <= jumps;
+  following   <= to_stdulogicvector(to_bitvector(fetched));  -- known before the first clock, too
+  ahead       <= following;
+  instruction <= now_done;
   first       <= nor turns;
   last        <= is_last;
 
@@ -68,39 +85,53 @@ begin
   end process;
 
   is_last <= '1' when turns = final else '0';
-  jumps   <= holds and (is_last or now_done(if_any_time));
-  step    <= act and (is_last or jumps) and (begins or not now_done(do_begin));
+  step    <= act and is_last and (begins or not now_done(do_begin));
+  judges  <= step;
+  idles   <= waited;
+  waits   <= to_bit(following(times_f) = times_wait) and not waited;
 
+  -- The position from which the instruction after `ahead` is fetched.
   decide : process (all)
   begin
-    following <= unsigned(now_done(following_f'right + position_bits - 1 downto following_f'right));
-    if now_done(do_begin) = '1' then
-      following(4 downto 0) <= unsigned(entry);
-    elsif now_done(do_dispatch) = '1' then
-      following(3 downto 0) <= unsigned(operation);
-    elsif now_done(do_return) = '1' then
-      following <= caller;
+    position <= place(following(following_f));
+    if following(do_return) = '1' then
+      position <= caller;
+    elsif following(do_dispatch) = '1' then
+      position(3 downto 0) <= unsigned(operation);
     end if;
-    position <= following;
-    if jumps = '1' then
-      position <= unsigned(now_done(target_f'right + position_bits - 1 downto target_f'right));
+    if now_done(do_begin) = '1' and begins = '0' then
+      position <= to_unsigned(first_of_entries, position_bits) or resize(unsigned(entry), position_bits);
+    elsif holds = '1' then
+      position <= place(now_done(target_f));
     end if;
     if reset = '1' then
       position <= (others => '0');
     end if;
   end process;
 
+  skips   <= holds or waits;
+  fetches <= (step and (holds or not waits)) or now_done(do_begin) or reset;
+
   fetch : process (clock)
   begin
     if rising_edge(clock) then
-      if step = '1' or reset = '1' then
-        now_done <= program(to_integer(position));
+      if fetches = '1' then
+        fetched <= program(to_integer(position));
+      end if;
+      if step = '1' then
+        now_done <= loaded(following, skips);
         turns    <= (others => '0');
+        waited   <= skips;
+        if now_done(do_call) = '1' then
+          caller <= place(now_done(target_f));
+        end if;
       elsif act = '1' and is_last = '0' then
         turns <= turns + 1;
       end if;
-      if step = '1' and now_done(do_call) = '1' then
-        caller <= following;
+      if reset = '1' then
+        now_done <= nothing_done;
+        waited   <= '1';
+        turns    <= (others => '0');
       end if;
     end if;
   end process;

@@ -31,8 +31,8 @@ package body frame_state_pkg is
     go_to(p, places);
 
     at_check(p, request_kind_read_control_c);
-    put(p, take(take_first));
-    put(p, take(take_data) or number(0), if_low_not, bad_address);
+    put(p, take(take_first) or times(2));
+    put(p, number(16#FF#), if_above, bad_address);
     put(p, take(take_data) or act(do_point_data));
     put(p, also(load_count));
     at(p, registers_next);
@@ -74,8 +74,8 @@ package body frame_state_pkg is
   procedure write_control(p : inout assembler_t; s : frame_settings_t) is
   begin
     at_check(p, request_kind_write_control_c);
-    put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
-    put(p, take(take_first) or number(0), if_low_not, bad_address);
+    put(p, take(take_first) or times(2) or number(mark_repeated), if_mark, invalid);
+    put(p, number(16#FF#), if_above, bad_address);
     if s.groups > 0 then
       put(p, number(control_publish_c), if_low, write_publish);
     end if;

@@ -10,7 +10,7 @@
 --
 -- Ports     reply: see frame_pkg; given only while `ready`, otherwise it waits. idle: nothing is being sent.
 --           tx: valid/ready/data. tx_last is high with the closing 00, and tx_publish with all bytes of a publish.
--- Latency   A kind is on tx two clocks later. The rest begins two clocks after finish, with one byte per clock: the
+-- Latency   A kind is on tx two clocks later. The rest begins three clocks after finish, with one byte per clock: the
 --           payload, 1 code, 3 bytes of check, 00. The next payload may be put meanwhile.
 -- Errors    None. A payload of more than 254 bytes must not be put.
 -- Pressure  tx_ready stalls the frame that is being sent. `ready` is low while a whole payload waits for it.
@@ -49,7 +49,11 @@ architecture rtl of frame_transmitter is
   signal position : unsigned(7 downto 0) := x"01";  -- of its next byte; its encoding begins at 0
   signal zero     : unsigned(7 downto 0) := x"00";  -- place of the next code
   signal whole    : std_ulogic := '0';              -- it waits to be sent
-  signal codes    : std_ulogic;                     -- a code is written
+  signal complete : std_ulogic := '0';              -- and it is all in the memory
+  signal puts, ends, drops : std_ulogic := '0';     -- put, finish and restart, a clock later
+  signal codes    : std_ulogic := '0';              -- a code is written
+  signal data     : byte_t;                         -- else this byte
+  signal writes   : std_ulogic;
   signal written  : byte_t;
   signal write_index : unsigned(7 downto 0);
 
@@ -68,7 +72,7 @@ architecture rtl of frame_transmitter is
   signal read_index : unsigned(7 downto 0) := (others => '0');
   signal read_next  : unsigned(7 downto 0);
   signal read_bank  : std_ulogic;
-  signal stop       : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoded payload
+  signal unsent     : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoded payload
   signal encoded    : byte_t;
   signal crc        : crc16_t := (others => '0');
   signal turn       : natural range 0 to 2 := 0;     -- which byte of the check
@@ -93,11 +97,27 @@ begin
 
   -- The payload.
 
-  codes <= reply.finish or (reply.put and nor reply.data);
+  note : process (clock)
+  begin
+    if rising_edge(clock) then
+      puts  <= reply.put and not whole and not reset;
+      ends  <= reply.finish and not whole and not reset;
+      drops <= reply.restart and not whole and not reset;
+      codes <= reply.finish or nor reply.data;
+      data  <= reply.data;
+      if opens = '1' or reset = '1' then
+        whole <= '0';
+      elsif reply.finish = '1' then
+        whole <= '1';
+      end if;
+    end if;
+  end process;
+
+  writes <= puts or ends;
 
   place : process (all)
   begin
-    written     <= reply.data;
+    written     <= data;
     write_index <= position;
     if codes = '1' then
       written     <= byte_t(position - zero);
@@ -108,29 +128,23 @@ begin
   put : process (clock)
   begin
     if rising_edge(clock) then
-      if whole = '0' and (reply.put = '1' or reply.finish = '1') then
+      if writes = '1' then
         memory(to_integer(unsigned'(bank & write_index))) <= written;
       end if;
-      if whole = '0' then
-        if reply.put = '1' then
-          position <= position + 1;
-          if codes = '1' then
-            zero <= position;
-          end if;
+      if puts = '1' then
+        position <= position + 1;
+        if codes = '1' then
+          zero <= position;
         end if;
-        whole <= reply.finish;
       end if;
       if opens = '1' then
-        whole <= '0';
-        bank  <= not bank;
+        bank <= not bank;
       end if;
-      if opens = '1' or (whole = '0' and reply.restart = '1') or reset = '1' then
+      if opens = '1' or drops = '1' or reset = '1' then
         position <= x"01";
         zero     <= x"00";
       end if;
-      if reset = '1' then
-        whole <= '0';
-      end if;
+      complete <= (ends or complete) and not (opens or reset);
     end if;
   end process;
 
@@ -141,7 +155,7 @@ begin
   sent    <= encoded when state = sending else kind;
   before  <= crc when state = sending else epoch or (crc16_t'range => outside);
 
-  opens  <= '1' when state = opened and whole = '1' else '0';
+  opens  <= '1' when state = opened and complete = '1' else '0';
 
   read_bank <= bank when state = opened else not bank;
   read_next <= (others => '0') when state = opened else
@@ -152,6 +166,9 @@ begin
     if rising_edge(clock) then
       read_index <= read_next;
       encoded    <= memory(to_integer(unsigned'(read_bank & read_next)));
+      if writes = '1' and read_bank = bank and read_next = write_index then
+        encoded <= (others => '-');  -- the last byte that is written here is read again later
+      end if;
     end if;
   end process;
 
@@ -179,8 +196,8 @@ begin
             state <= opened;
           end if;
         when opened =>
-          stop <= position;
-          if whole = '1' then
+          unsent <= position;
+          if complete = '1' then
             state <= sending;
           end if;
         when sending =>
@@ -188,7 +205,8 @@ begin
             full    <= '1';
             tx_data <= sent;
             crc     <= next_crc16(before, sent);
-            if read_next = stop then
+            unsent  <= unsent - 1;
+            if unsent = 1 then
               state <= checking;
             end if;
           end if;

@@ -3,7 +3,8 @@
 -- Remembers which requests were executed, so that none is executed twice. There is one place for each id mod `window`.
 -- It holds the last id executed there, its status, and its reply if that was short.
 --
--- Ports     id: the id to look up. Two clocks later these outputs are about it:
+-- Ports     id: the id to look up. place_next: its lower byte, a clock before. Two clocks after the id these outputs
+--           are about it:
 --           new_id: it is later than the id of its place. repeated: it is the id of its place.
 --           order, with `before`: neither the id before it nor a later one of that place was executed.
 --           status, kept: of the cached reply. too_long: the reply was not kept.
@@ -28,6 +29,7 @@ entity reply_cache is
   port (
     clock        : in  std_ulogic;
     id           : in  std_ulogic_vector(15 downto 0);
+    place_next   : in  byte_t;
     before       : in  std_ulogic;
     new_id       : out std_ulogic;
     repeated     : out std_ulogic;
@@ -65,8 +67,8 @@ architecture rtl of reply_cache is
   signal entry             : std_ulogic_vector(entry_bits - 1 downto 0);
   signal borrow            : std_ulogic := '0';  -- `entry` belongs to the turn before: `before`, at place 0
   signal ahead             : turn_t;  -- how far the id is ahead of the id of its place
-  signal same, half_way    : std_ulogic;
-  signal later             : std_ulogic;
+  signal ahead_before      : turn_t;
+  signal same              : std_ulogic;  -- if the id itself is looked up
   signal count             : unsigned(4 downto 0) := (others => '0');  -- bytes of the reply; 17 means too many
   signal index             : unsigned(place_bits + 3 downto 0);
 
@@ -76,18 +78,24 @@ begin
     report "reply_cache: window must be a power of two" severity failure;
 
   place      <= unsigned(id(place_t'range));
-  place_read <= place - unsigned'("" & before);
-  ahead      <= turn_t(id(turn_t'range)) - turn_t(entry(entry_bits - 1 downto 9)) - unsigned'("" & borrow);
-  same       <= nor ahead;
-  half_way   <= ahead(15) and nor ahead(14 downto place_bits);
-  later      <= not ahead(15) and not same;
+  place_read <= unsigned(place_next(place_t'range)) - unsigned'("" & before);
+  -- A place holds the complement of its turn, because this sum needs fewer gates than the difference.
+  ahead      <= turn_t(id(turn_t'range)) + turn_t(entry(entry_bits - 1 downto 9)) + unsigned'("" & not borrow);
+  same       <= and (id(turn_t'range) xor entry(entry_bits - 1 downto 9));
 
   status   <= entry(8 downto 5);
   kept     <= unsigned(entry(4 downto 0));
-  too_long <= entry(4) and or entry(3 downto 0);
-  new_id   <= later;
-  repeated <= same and nand entry(8 downto 5);  -- no_status means that nothing was executed
-  order    <= later or half_way;
+
+  say : process (clock)
+  begin
+    if rising_edge(clock) then
+      too_long <= entry(4) and or entry(3 downto 0);
+      new_id   <= not ahead(15) and not same;
+      repeated <= same and nand entry(8 downto 5);  -- no_status means that nothing was executed
+      ahead_before <= ahead;
+      order    <= ahead_before(15) xor or ahead_before(14 downto place_bits);  -- later, or half way around
+    end if;
+  end process;
 
   remember_place : process (clock)
     variable where : place_t;
@@ -101,12 +109,13 @@ begin
         turn  := (others => '1');
       end if;
       if remember = '1' or forget = '1' then
-        places(to_integer(where)) <= std_ulogic_vector(turn) & status_in & std_ulogic_vector(count);
+        places(to_integer(where)) <= std_ulogic_vector(not turn) & status_in & std_ulogic_vector(count);
       end if;
-      if remember = '0' and forget = '0' then
-        entry <= places(to_integer(place_read));
+      entry <= places(to_integer(place_read));
+      if (remember = '1' or forget = '1') and where = place_read then
+        entry <= (others => '-');  -- block RAMs differ in what such a read gives
       end if;
-      borrow <= before and nor place;
+      borrow <= before and nor place_next(place_t'range);
     end if;
   end process;
 

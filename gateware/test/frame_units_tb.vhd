@@ -38,9 +38,9 @@ architecture bench of frame_units_tb is
   signal bii_request  : bii_request_t;
   signal bii_response : bii_response_t := bii_response_idle;
 
-  signal d_turned, tripped, publish, room, rx_overrun, publish_overrun, frame_valid, begins,
-         pending : std_ulogic := '0';
-  signal frame_entry, entry : entry_t := "00010";
+  signal d_turned, tripped, publish, room, rx_overrun, publish_overrun, frame_valid, asks, begins, wants, pending,
+         counted : std_ulogic := '0';
+  signal frame_entry, choice : entry_t := "00010";
 
   function program return frame_program_t is
     variable p : frame_program_t(0 to 127) := (others => nothing_done);
@@ -57,14 +57,15 @@ architecture bench of frame_units_tb is
       p(place)(number_f) := std_ulogic_vector(to_unsigned(place, 8));  -- so that the position can be seen
     end loop;
     set(0, number(0) or act(do_begin), 32, never, 0);
-    set(34, number(34) or times(3), 5, if_chained, 9);
+    set(34, number(34) or times(3), 5, if_failed, 9);
     set(5, number(5) or for_size(times_size), 6, never, 0);
     set(6, number(6) or for_size(times_rest), 7, never, 0);
-    set(7, number(7) or act(do_call), 8, always, 20);
-    set(20, number(20) or act(do_return), 0, never, 0);
+    set(7, number(7) or act(do_call), 20, never, 8);
+    set(20, number(20), 21, never, 0);
+    set(21, number(21) or act(do_return), 0, never, 0);
     set(8, number(8) or act(do_dispatch), 64, never, 0);
     set(66, number(66), 0, never, 0);
-    set(9, number(9) or times(4) or act(if_any_time), 0, if_missing, 12);
+    set(9, number(9) or for_size(times_wait), 12, if_low, 0);
     set(12, number(12), 0, never, 0);
     return p;
   end function;
@@ -72,9 +73,9 @@ architecture bench of frame_units_tb is
   type entries_t is array (1 to 5) of natural;
   constant says_nothing : entries_t := (4, 6, entry_check, entry_long, entry_kind);
 
-  signal act_now, holds, s_begins, jump, first, last : std_ulogic := '0';
+  signal act_now, holds, s_begins, judges, idles, first, last : std_ulogic := '0';
   signal size        : unsigned(2 downto 0) := "011";
-  signal instruction : frame_instruction_t;
+  signal instruction, ahead : frame_instruction_t;
 
 begin
 
@@ -98,13 +99,15 @@ begin
     port map (
       clock => clock, reset => reset, turned => d_turned, tripped => tripped, publish => publish, room => room,
       receive_overrun => rx_overrun, publish_overrun => publish_overrun, frame_valid => frame_valid,
-      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry);
+      frame_entry => frame_entry, asks => asks, begins => begins, wants => wants, choice => choice, pending => pending,
+      counted => counted);
 
   sequencer : entity work.frame_sequencer
     generic map (program => program, sizes => true)
     port map (
       clock => clock, reset => reset, act => act_now, holds => holds, begins => s_begins, entry => "00010",
-      operation => "0010", size => size, instruction => instruction, jump => jump, first => first, last => last);
+      operation => "0010", size => size, instruction => instruction, ahead => ahead, judges => judges, idles => idles,
+      first => first, last => last);
 
   play : process
 
@@ -119,9 +122,12 @@ begin
 
     procedure expects (number : natural; what : string) is
     begin
+      asks <= '1';
       wait for 1 ns;
+      check_equal(wants, '1', what & " is wanted");
+      check_equal(to_integer(unsigned(choice)), number, what);
+      tick(clock);
       check_equal(pending, '1', what & " is pending");
-      check_equal(to_integer(unsigned(entry)), number, what);
     end procedure;
 
   begin
@@ -142,17 +148,17 @@ begin
     store <= store_count;
     tick(clock);
     store <= store_nothing;
-    tick(clock);
+    tick(clock, 2);
     check_equal(word, x"FFFFFFFF", "one more");
     store <= store_count;
     tick(clock);
     store <= store_nothing;
-    tick(clock);
+    tick(clock, 2);
     check_equal(word, x"FFFFFFFF", "no more than full");
     store <= store_next;
     tick(clock);
     store <= store_nothing;
-    tick(clock);
+    tick(clock, 2);
     check_equal(word, x"00000000", "and around");
     put_word <= x"CAFE0123";
     index    <= "101";
@@ -163,8 +169,11 @@ begin
     check_equal(word, x"0000FFFF", "nothing is stored unless it is enabled");
     enable   <= '1';
     tick(clock);
-    check_equal(word, x"0000FFFF", "nothing is looked at while something is stored");
+    index    <= "011";
     store    <= store_nothing;
+    tick(clock);
+    check_equal(word, x"00000000", "another word is read while one is stored");
+    index    <= "101";
     tick(clock);
     check_equal(word, x"CAFE0123", "what was stored");
 
@@ -218,6 +227,8 @@ begin
 
     -- frame_dispatcher
     wait for 1 ns;
+    check_equal(wants, '0', "nothing is wanted");
+    tick(clock);
     check_equal(pending, '0', "nothing is pending");
     frame_valid <= '1';
     publish     <= '1';
@@ -232,9 +243,13 @@ begin
     expects(entry_publish_overrun, "an overrun of publishes");
     pulse(clock, begins);
     expects(entry_trip, "a trip");
+    begins <= '1';
+    wait for 1 ns;
+    check_equal(counted, '1', "the trip is counted");
+    begins  <= '0';
     tripped <= '0';
     wait for 1 ns;
-    check_equal(pending, '0', "neither a publish nor a request while there is no room");
+    check_equal(wants, '0', "neither a publish nor a request while there is no room");
     for silent in 1 to 5 loop
       frame_entry <= std_ulogic_vector(to_unsigned(says_nothing(silent), 5));
       expects(says_nothing(silent), "what says nothing");
@@ -254,12 +269,10 @@ begin
     s_begins <= '1';
     at_place(0, '1');
     s_begins <= '0';
-    holds    <= '1';   -- which counts only the last time
     at_place(34, '0');
     at_place(34, '0');
     act_now <= '0';
     at_place(34, '1');
-    holds   <= '0';
     act_now <= '1';
     at_place(34, '1');
     at_place(5, '0');
@@ -269,12 +282,12 @@ begin
       at_place(6, '0');  -- 8 - size times
     end loop;
     at_place(6, '1');
-    holds <= '1';
     at_place(7, '1');
-    holds <= '0';
     at_place(20, '1');
+    at_place(21, '1');
     at_place(8, '1');
     at_place(66, '1');
+    at_place(0, '1');  -- the entry is fetched
     s_begins <= '1';
     at_place(0, '1');
     s_begins <= '0';
@@ -283,10 +296,9 @@ begin
     holds <= '1';
     at_place(34, '1');
     holds <= '0';
-    at_place(9, '0');
-    holds <= '1';      -- which counts every time here
-    at_place(9, '0');
-    holds <= '0';
+    check_equal(idles, '1', "a jump costs a clock");
+    at_place(0, '1');
+    at_place(9, '1');  -- which need not wait any more
     at_place(12, '1');
     at_place(0, '1');
 

@@ -318,7 +318,7 @@ def test_replies_tell_truly_what_was_written_at_a_trip(rtl: Any, what: Callable[
         host.open()
         members = tuple(f for at in PLACES for f in ((at, 2), (4, 1)))
         define = host.ask(p.REQUEST_KIND_DEFINE_EXCHANGE, (0, 1), (COUNT, 1), (0, 1), *members)
-        host.say(define + host.control(p.CONTROL_ARM, 1), 200 + 7 * number)
+        host.say(define + host.control(p.CONTROL_ARM, 1), 300 + 7 * number)
         host.mark(f"{number}")
         host.say(host.control(p.CONTROL_DEADMAN_TICKS, 1) + what(host), 3 * tick)
         host.mark(f"{number} behind it")

@@ -19,9 +19,24 @@ ENTRY = {"unknown": 14, "hello": 16, "open": 17, "check": 18, "long": 19, "sessi
 POSTS = (p.REQUEST_KIND_POST, p.REQUEST_KIND_POST_LIST)
 
 
-@pytest.mark.parametrize("bench", ["framed_tb", "frame_application_tb", "frame_units_tb"])
+@pytest.mark.parametrize(
+    "bench", ["framed_tb", "frame_application_tb", "frame_units_tb", "frame_judge_tb", "frame_timing_tb"]
+)
 def test_bench(ghdl: Any, bench: str) -> None:
     ghdl.run(bench)
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        (1, "needs what the one before it changes"),
+        (2, "needs what the one before it changes"),
+        (3, "uses a word at once after a jump"),
+        (4, "calls a routine of one instruction"),
+    ],
+)
+def test_a_program_that_comes_too_early_is_refused(ghdl: Any, fault: int, message: str) -> None:
+    ghdl.refuse("frame_timing_tb", message, fault=fault)
 
 
 @pytest.mark.parametrize("count", [1, 3, 16, 17, 60])

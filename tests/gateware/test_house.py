@@ -21,6 +21,7 @@ ENTITIES = {
 ALL_BENCHES = "\n".join(file.read_text(encoding="utf-8") for file in BENCHES)
 ENDS_BY_ITSELF = {
     "fifo_publish_tb": "at its last clock",
+    "frame_timing_tb": "it has no clock",
     "lockstep_tb": "at the end of its file",
     "rate_pkg_tb": "it has no clock",
     "replay_tb": "at the end of its file, and each step has its own limit",

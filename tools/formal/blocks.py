@@ -178,6 +178,7 @@ BLOCKS = (
                 "deadman and tripped = '1' and frame_valid = '0'",
             ),
             Mutant("frame_dispatcher.vhd", "receive_overran <= receive_overrun;", "receive_overran <= '1';"),
+            Mutant("frame_dispatcher.vhd", "asks and due and not begins", "asks and not begins"),
         ),
     ),
     Block(
@@ -203,13 +204,14 @@ BLOCKS = (
         depth=6,
         deep=12,
         pdr=True,
+        seen={"entry": "dut.entry"},
         not_proven="the bytes of kept replies, `order`, other windows: the bench tests them",
         mutants=(
             Mutant(
-                "reply_cache.vhd", "later      <= not ahead(15) and not same;", "later      <= not ahead(15);"
+                "reply_cache.vhd", "new_id   <= not ahead(15) and not same;", "new_id   <= not ahead(15);"
             ),
             Mutant("reply_cache.vhd", "repeated <= same and nand entry(8 downto 5);", "repeated <= same;"),
-            Mutant("reply_cache.vhd", "not ahead(15) and not same;", "not same;"),
+            Mutant("reply_cache.vhd", "new_id   <= not ahead(15) and", "new_id   <="),
         ),
     ),
     Block(
@@ -221,7 +223,7 @@ BLOCKS = (
         mutants=(
             Mutant(
                 "frame_transmitter.vhd",
-                "codes <= reply.finish or (reply.put and nor reply.data);",
+                "codes <= reply.finish or nor reply.data;",
                 "codes <= reply.finish;",
             ),
             Mutant("frame_transmitter.vhd", "or (crc16_t'range => outside);", "or (crc16_t'range => '0');"),
@@ -233,15 +235,21 @@ BLOCKS = (
         "`framed/frame_sequencer`, a program of 256 different instructions",
         depth=10,
         induction=1,
-        seen={"steps": "dut.step", "position": "dut.position"},
+        seen={
+            "steps": "dut.step",
+            "fetches": "dut.fetches",
+            "skips": "dut.skips",
+            "position": "dut.position",
+        },
         not_proven="what the program does: that is the proof of `frame_application`",
         mutants=(
-            Mutant("frame_sequencer.vhd", "if step = '1' or reset = '1' then", "if step = '1' then"),
-            Mutant("frame_sequencer.vhd", "act and (is_last or jumps)", "(is_last or jumps)"),
+            Mutant("frame_sequencer.vhd", "or now_done(do_begin) or reset;", "or now_done(do_begin);"),
+            Mutant("frame_sequencer.vhd", "act and is_last and", "is_last and"),
+            Mutant("frame_sequencer.vhd", "skips   <= holds or waits;", "skips   <= waits;"),
             Mutant(
                 "frame_sequencer.vhd",
-                "now_done <= program(to_integer(position));",
-                "now_done <= program(to_integer(position + 1));",
+                "fetched <= program(to_integer(position));",
+                "fetched <= program(to_integer(position + 1));",
             ),
         ),
     ),
@@ -249,7 +257,7 @@ BLOCKS = (
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
         depth=0,
-        deep=24,
+        deep=28,
         for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most"),
         without=(
             ("frame_application", "memory"),
@@ -257,14 +265,17 @@ BLOCKS = (
             ("frame_application", "timer"),
         ),
         loose=("dut.pointer", "dut.epoch_now"),
-        given={"dut.sequencer.now_done": "fetched"},
+        given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
         seen={
             "instruction": "dut.instruction",
             "finishes": "dut.finishes",
-            "jump": "dut.jump",
+            "jump": "dut.holds",
+            "begins": "dut.begins",
             "steps": "dut.sequencer.step",
+            "fetches": "dut.sequencer.fetches",
+            "skips": "dut.sequencer.skips",
             "position": "dut.sequencer.position",
-            "entry_now": "dut.entry",
+            "choice": "dut.choice",
             "id": "dut.id",
             "word_index": "dut.word_index",
             "remember": "dut.remember",
@@ -297,9 +308,11 @@ BLOCKS = (
                 "number(status_of_data) or act(do_done));",
             ),
             Mutant("frame_application.vhd", "request_done <= finishes and", "request_done <= does and"),
-            Mutant("frame_application.vhd", "act_now  <= (reply_ready or not says) and", "act_now  <="),
+            Mutant("frame_application.vhd", "does     <= (reply_ready or not says) and", "does     <="),
             Mutant(
-                "frame_application.vhd", "reads     <= finishes and not jump and", "reads     <= finishes and"
+                "frame_application.vhd",
+                "reads     <= finishes and not holds and",
+                "reads     <= finishes and",
             ),
         ),
     ),

@@ -16,7 +16,7 @@ from unitylink.errors import ToolError
 from unitylink.gateware import Ghdl, gateware_sources, property_sources
 from unitylink.gateware.repairs import repaired
 
-SECONDS_MOST = 600.0  # for one call of a program
+SECONDS_MOST = 1800.0  # for one call of a program
 
 # GHDL prints PSL in a form that no reader of Verilog takes for a property.
 _FATAL = r'always @\*\s*if \(!(\S+)\)\s*\$fatal\(1, "'

@@ -82,7 +82,7 @@ ROWS = (
             "deadman": False,
         },
         cells_most=1400,
-        mhz_least=48.0,
+        mhz_least=97.0,
     ),
     Row(
         "small_minimal",
@@ -114,7 +114,7 @@ ROWS = (
         engine="small",
         cells_most=900,
     ),
-    Row("framed", "framed alone, with all features", settings={"protocol": "framed"}, mhz_least=48.0),
+    Row("framed", "framed alone, with all features", settings={"protocol": "framed"}, mhz_least=72.0),
     Row(
         "shipped",
         "framed as it is generated for a spec of one or two groups: 4 groups of 32, exchange groups of 30",

@@ -119,17 +119,17 @@ inline constexpr std::uint32_t turns_most = 3;
 }  // namespace latency
 
 namespace framed_latency {
-inline constexpr std::uint32_t tick = 19;
+inline constexpr std::uint32_t tick = 20;
 inline constexpr std::uint32_t list = 50;
 inline constexpr std::uint32_t list_check = 12;
-inline constexpr std::uint32_t list_read = 29;
-inline constexpr std::uint32_t list_change = 41;
-inline constexpr std::uint32_t define_group = 74;
-inline constexpr std::uint32_t define_group_address = 4;
-inline constexpr std::uint32_t define_exchange = 62;
-inline constexpr std::uint32_t define_exchange_word = 14;
+inline constexpr std::uint32_t list_read = 34;
+inline constexpr std::uint32_t list_change = 45;
+inline constexpr std::uint32_t define_group = 80;
+inline constexpr std::uint32_t define_group_address = 5;
+inline constexpr std::uint32_t define_exchange = 72;
+inline constexpr std::uint32_t define_exchange_word = 16;
 inline constexpr std::uint32_t other = 252;
-inline constexpr std::uint32_t publish = 19;
+inline constexpr std::uint32_t publish = 21;
 inline constexpr std::uint32_t publish_word = 4;
 inline constexpr std::uint32_t payload_max = 250;
 inline constexpr std::uint32_t frame_bytes = 6;
