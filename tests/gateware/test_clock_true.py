@@ -25,6 +25,8 @@ THREE_PHASE = {0: (0, 1, 1, 7, 7, 3, 5), 2: (0, 500, 2000, 4095)} | dict.fromkey
 )
 # Checks that a register is 0 in the set-up and in each sample, 100 us long, so that pins at random do both.
 CHECKED = "C064C00020005800D800C064C8002000580020001C01D005"
+# Reads a byte from the register 0 of the device 48, as soon as the last byte is there.
+SHORT = "C00AC000D800C014C8002090000020911C01D003"
 CASES = {
     "gpio": (
         Case("pins=8"),
@@ -59,6 +61,11 @@ CASES = {
         Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", H_BRIDGE, pause=300, quiet=3000),
         Case("frequency_hz=9000, duty_bits=9, form=1", H_BRIDGE, pause=90, quiet=9000),
         Case("frequency_hz=9000, duty_bits=9, form=2, fault_level=0", H_BRIDGE, pause=900, quiet=9000),
+    ),
+    "i2c_device": (
+        Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),
+        Case("scl_hz=100000, stretch_us=100, period=300 us, failures_most=2", {0: (1,)}, 200, 900),
+        Case("start=100 us", {0: (1,)}, 300, 5, device="mpu6050"),
     ),
     "spi_device": (
         Case(
@@ -131,6 +138,9 @@ FAULTS = [
     ("quadrature_encoder", 0, "thawed or (put and last)", "thawed"),
     ("quadrature_encoder", 1, "a(channel) xor b_before(channel)", "a(channel) xor b(channel)"),
     ("quadrature_encoder", 2, "stable_clocks => stable_clocks", "stable_clocks => stable_clocks - 1"),
+    ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
+    ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
+    ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),
     ("spi_device", 3, "anew     <= halts or too_many;", "anew     <= too_many;"),
     ("spi_device", 1, "not failing and not wishbone_m2s.cyc;", "not failing;"),
     ("spi_device", 3, "when in_a_row = failures_most - 1 or", "when in_a_row = failures_most or"),

@@ -135,3 +135,8 @@ def test_spi_device(ghdl: Any, clock_hz: int, sclk_hz: int, mode: int, data_widt
     program = device_program("icm42688(period=300 us, start=250 us)")
     given = {"clock_hz": clock_hz, "sclk_hz": sclk_hz, "mode": mode, "data_width": data_width}
     ghdl.run("spi_device_tb", program=program, **given)
+
+
+@pytest.mark.parametrize("clock_hz", [8_000_000, pytest.param(13_000_000, marks=pytest.mark.long)])
+def test_i2c_device(ghdl: Any, clock_hz: int) -> None:
+    ghdl.run("i2c_device_tb", program=device_program("mpu6050(start=200 us)"), clock_hz=clock_hz)
