@@ -20,7 +20,7 @@ class QuadratureEncoder final : public Component {
         with_index_(from.generic("with_index", 0) != 0),
         with_stamps_(from.generic("with_stamps", 0) != 0),
         data_mask_(from.data_mask()) {
-    wait_until(round_clocks);
+    wait_until(round_clocks + 1);
   }
 
  private:

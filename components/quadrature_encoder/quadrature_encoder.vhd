@@ -24,7 +24,7 @@
 --           clocks later.
 -- Errors    err for writes to other addresses than +0 and +3, and for addresses from 6 on.
 -- Reset     All words are zero. The levels of the pins at that time are not counted as a step, if the reset lasts at
---           least 5 clocks. The first access waits for up to 16 clocks.
+--           least 5 clocks. The first access waits for up to 17 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -108,6 +108,7 @@ architecture rtl of quadrature_encoder_counts is
   -- The bus.
   signal asked, known, may_write, reads, hit : std_ulogic;
   signal ack, err, put, thawed               : std_ulogic := '0';
+  signal closed                              : std_ulogic := '1'; -- no word can be shown yet
   signal found                               : word_t;
 
   function word_of (turn : turn_t) return natural is
@@ -123,7 +124,7 @@ architecture rtl of quadrature_encoder_counts is
 begin
 
   -- The bus.
-  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not starting;
+  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not closed;
   known     <= '1' when unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto turn_bits)) = 0 and
                         unsigned('0' & wishbone_m2s.adr(turn_t'range)) < words * channels and
                         wishbone_m2s.adr(2 downto 1) /= "11" else '0';
@@ -252,13 +253,15 @@ begin
       if count = 0 then
         bank <= bank xor shown;
       end if;
-      if wishbone_m2s.cyc = '0' or thawed = '1' then
+      closed <= starting;
+      if wishbone_m2s.cyc = '0' or thawed = '1' or closed = '1' then
         shown <= whole;
       end if;
 
       if reset = '1' then
         count    <= (others => '0');
         starting <= '1';
+        closed   <= '1';
         whole    <= "01";
         bank     <= "10";
         shown    <= "01";
@@ -321,7 +324,7 @@ begin
           end if;
         end if;
 
-        if starting = '1' then
+        if starting = '1' or reset = '1' then
           steps(channel)       <= (others => '0');
           has_stepped(channel) <= '0';
           has_failed(channel)  <= '0';

@@ -98,4 +98,24 @@ COMPONENT_BLOCKS = (
             Mutant("bridge_gates.vhd", " and over(over'high) = '0' then", " then"),
         ),
     ),
+    Block(
+        "quadrature_encoder_counts",
+        "`components/quadrature_encoder`, the words of one encoder, of 8 bits, with its index",
+        depth=12,
+        deep=52,
+        not_proven="stamps and several channels; the clocks after the search, so at most one reset after the "
+        "first round; how long a write waits; a master that gives an access up",
+        mutants=(
+            Mutant(
+                "quadrature_encoder_counts.vhd", "total                := by;", "total := (others => '0');"
+            ),
+            Mutant("quadrature_encoder_counts.vhd", "given  <= preset;", "given  <= '0';"),
+            Mutant("quadrature_encoder_counts.vhd", "if has_index(channel) = '0' then", "if true then"),
+            Mutant("quadrature_encoder_counts.vhd", "bank <= bank xor shown;", "bank <= not bank;"),
+            Mutant(
+                "quadrature_encoder_counts.vhd", "starting = '1' or reset = '1' then", "starting = '1' then"
+            ),
+            Mutant("quadrature_encoder_counts.vhd", "thawed or (put and last)", "thawed"),
+        ),
+    ),
 )
