@@ -15,9 +15,10 @@ from fractions import Fraction
 
 from ..annotation import Annotation, AnnotationValue
 from ..model import Component
-from ..text.syntax import AnnotationNode, Notes
+from ..text.syntax import AnnotationNode, Argument, Notes
 from .evaluate import Evaluator, Value
 from .sequence import KINDS, generics_of
+from .vhdl_generics import limits_of
 from .vhdl_source import find_source
 
 RESERVED = ("component", "generic", "pin", "event", "source", *KINDS)
@@ -60,6 +61,7 @@ def component(
     """
     entity = ""
     generics: list[tuple[str, int | str]] = []
+    given: list[tuple[Argument, str, int]] = []
     pins: list[tuple[str, str, int]] = []
     events: list[str] = []
     sources: list[str] = []
@@ -94,6 +96,7 @@ def component(
                 value = evaluator.integer(argument, names, "a generic", -(1 << 31), (1 << 31) - 1)
                 if value is not None and argument.key is not None:
                     generics.append((argument.key.text, value))
+                    given.append((argument, argument.key.text, value))
         elif kind == "pin" and len(texts) == 2 and texts[1] in _DIRECTIONS and len(node.arguments) <= 3:
             bits: int | None = 0
             if len(node.arguments) == 3:
@@ -106,7 +109,21 @@ def component(
         generics += generics_of(steps, evaluator, names)
     if not entity:
         return None
+    _check_limits(entity, sources, given, evaluator)
     return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events), tuple(sources))
+
+
+def _check_limits(
+    entity: str, sources: list[str], given: list[tuple[Argument, str, int]], evaluator: Evaluator
+) -> None:
+    """Report each number that the generic does not take. That of `clock_hz` is the design's clock."""
+    limits = limits_of(entity, sources)
+    for argument, name, value in given:
+        low, high = limits.get(name.lower(), (value, value))
+        if name != "clock_hz" and not low <= value <= high:
+            message = f"generic `{name}` of `{entity}` is {value:,}"
+            hint = f"it is a number from {low:,} to {high:,}"
+            evaluator.reporter.report("UL049", argument.start, argument.end, message, hint)
 
 
 def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:

@@ -40,6 +40,11 @@ def device_files() -> dict[str, Path]:
     return {one.stem: one for one in sorted(resource_folder("components").glob("*/devices/*.ul"))}
 
 
+def component_vhdl(entity: str) -> Path:
+    """Return where the VHDL of a component of the library is, if it is one."""
+    return resource_folder("components") / entity / f"{entity}.vhd"
+
+
 def _described(folder: Path) -> Path:
     """Return the file in UL-spec of a component's folder."""
     return folder / f"{folder.name}.ul"

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A generic outside the limits of its VHDL is a mistake in the spec. No model and no elaboration meets it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unitylink.spec import compile_file, compile_text
+from unitylink.spec.meaning.vhdl_generics import limits_of
+
+VHDL = """
+-- entity stepper is generic (turns : positive range 7 to 8); end;
+entity stepper is
+  generic (
+    Clock_Hz     : positive := 50_000_000;
+    note         : string := "-- turns : natural range 0 to 1";
+    turns, steps : positive range 2 to 1_000 := 4; -- positive range 5 to 6
+    offset       : integer range -3 to 3 := 0;
+    wide         : natural range 0 to turns := 0
+  );
+  port (clock : in std_logic; later : in natural range 0 to 1);
+end entity;
+"""
+
+
+def mistakes(line: str) -> list[tuple[str, str, str | None]]:
+    text = f"link a (ADDRESS=10);\npublic a() {{\n   it: {line};\n}}\n"
+    return [(one.code, one.message, one.hint) for one in compile_text(text).diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("line", "low", "high"),
+    [
+        ("pwm(frequency_hz={})", 1, 2**31 - 1),
+        ("h_bridge(frequency_hz={})", 1, 2**31 - 1),
+        ("spi_device(sclk_hz={})", 1, 2**31 - 1),
+        ("pwm(channels={})", None, 64),
+        ("h_bridge(form={})", 0, 2),
+        ("spi_device(failures_most={})", 1, 15),
+        ("quadrature_encoder(stable_clocks={})", 1, None),
+    ],
+)
+def test_a_number_beyond_the_limits_of_the_vhdl_is_named(
+    line: str, low: int | None, high: int | None
+) -> None:
+    for limit, beyond in ((low, -1), (high, 1)):
+        if limit is None:
+            continue
+        assert mistakes(line.format(limit)) == []
+        (code, message, hint), *others = mistakes(line.format(limit + beyond))
+        assert (code, others) == ("UL049", [])
+        assert "generic" in message and f"{limit + beyond:,}" in message
+        assert hint is not None and f"{limit:,}" in hint
+
+
+def test_limits_are_those_of_the_own_vhdl(tmp_path: Path) -> None:
+    vhdl = tmp_path / "stepper.vhd"
+    vhdl.write_text(VHDL)
+    least = {"clock_hz": (1, 2**31 - 1), "turns": (2, 1000), "steps": (2, 1000), "offset": (-3, 3)}
+    assert limits_of("stepper", [str(vhdl)]) == least
+    spec = tmp_path / "arm.ul"
+    spec.write_text("""
+    link arm (ADDRESS=8);
+    @component("stepper") @generic(clock_hz=0, turns=turns, offset=-4) @source("stepper.vhd")
+    stepper(turns: int): @base[1] { @x = base: READ(); }
+    public arm() { one: stepper(turns=1001); }
+    """)
+    found = [one.message for one in compile_file(spec).diagnostics]
+    assert found[0] == "generic `turns` of `stepper` is 1,001"
+    spec.write_text(spec.read_text().replace("turns=1001", "turns=1000"))
+    assert [one.message for one in compile_file(spec).diagnostics] == ["generic `offset` of `stepper` is -4"]
+    vhdl.write_text(VHDL.replace("-3 to 3", "-4 to 3"))
+    assert list(compile_file(spec).diagnostics) == []
+
+
+def test_an_entity_without_vhdl_has_no_limits() -> None:
+    assert limits_of("no_such_entity", []) == {}
+    assert limits_of("x" * 5000, []) == {}
