@@ -202,7 +202,9 @@ ARTEFACTS = {
     "native/include/unitylink/protocol.hpp": of_constants(cpp_text),
     # The program of the small engine tells its sizes to the VHDL. The latencies of the framed engine are
     # measured at its VHDL.
-    "gateware/common/protocol_pkg.vhd": of_constants(vhdl_text, "small_engine", "framed_latency"),
+    "gateware/common/protocol_pkg.vhd": of_constants(
+        vhdl_text, "small_engine", "framed_latency", "small_latency"
+    ),
     "docs/protocol-constants.md": of_constants(markdown_text),
     "src/unitylink/settings.py": of_settings(settings.python_text),
     "native/include/unitylink/settings.hpp": of_settings(settings.cpp_text),

@@ -61,7 +61,7 @@ architecture rtl of byte_processor is
   signal loads, loads_carry, points, goes_on : std_ulogic := '0';
   signal gives_operand, gives_nothing        : std_ulogic := '0';
   signal position, caller, caller_before : position_t := (others => '0');
-  signal returns, jumps : std_ulogic;
+  signal called, returns, jumps : std_ulogic;
 
   signal a           : byte_t := (others => '0');
   signal carry       : std_ulogic := '0';
@@ -92,6 +92,8 @@ begin
     end if;
   end process;
 
+  called <= and instruction(condition_f);
+
   decide : process (all)
     variable holds : std_ulogic;
   begin
@@ -102,10 +104,9 @@ begin
       when if_piece     => holds := conditions.piece;
       when if_sending   => holds := conditions.sending;
       when if_accessing => holds := conditions.accessing;
-      when if_alert     => holds := conditions.alert;
-      when others       => holds := '1';
+      when others       => holds := conditions.alert;
     end case;
-    jumps   <= instruction(is_jump) and (holds xor instruction(is_inverted));
+    jumps   <= instruction(is_jump) and ((holds xor instruction(is_inverted)) or called);
     returns <= '0';
     if instruction(condition_f) = if_always then
       returns <= instruction(is_jump) and instruction(is_inverted);
@@ -123,7 +124,7 @@ begin
         caller        <= caller_before;
       elsif jumps = '1' then
         position <= unsigned(instruction(position_bits - 1 downto 0));
-        if instruction(condition_f) = if_called then
+        if called = '1' then
           caller        <= position;
           caller_before <= caller;
         end if;

@@ -83,7 +83,7 @@ architecture rtl of framed_small is
 
   signal executing, store, put : std_ulogic;
   signal address, pointer      : unsigned(9 downto 0);
-  signal operand, looked, accumulator, given, port_data : byte_t;
+  signal operand, looked, accumulator, given, port_read, port_data : byte_t;
   signal acts, tells, notes    : small_actions_t;
   signal port_number           : small_port_t;
   signal conditions            : small_conditions_t;
@@ -146,12 +146,12 @@ begin
   status <= overran & dead_man_response.uncounted & answer & dead_man_response.tripped_now & full &
             dead_man_response.running & dead_man_response.tripped;
 
-  with port_number select port_data <=
-    word(31 downto 24)             when in_data,
-    '1' & crc(6 downto 0)          when in_check,
-    status                         when in_status,
-    byte_t(pointer(7 downto 0))    when in_x,
-    turned & wants                 when others;
+  with port_number(1 downto 0) select port_read <=
+    word(31 downto 24)             when "00",
+    '1' & crc(6 downto 0)          when "01",
+    status                         when "10",
+    byte_t(pointer(7 downto 0))    when others;
+  port_data <= turned & wants when publishing and port_number(2) = '1' else port_read;
 
   -- The memory: one port reads and one writes, by turns for the program and for the line.
 

@@ -52,6 +52,7 @@ architecture rtl of small_publishing is
   signal publishing : std_ulogic := '0';
   -- Clocks until the next strobe, less two. Its highest bit says that they are over.
   signal divider    : unsigned(bits_for(period) downto 0) := (others => '1');
+  signal strobe     : std_ulogic;
   signal strobes    : unsigned(3 downto 0) := (others => '0');  -- that wait
   signal enabled    : flags_t := (others => '0');  -- groups whose events count
   signal past       : flags_t := (others => '0');  -- the event inputs one clock ago
@@ -65,11 +66,11 @@ begin
 
   wants <= (or strobes) & std_ulogic_vector(resize(unsigned(waiting), 6));
 
+  strobe <= publishing and divider(divider'left);
+
   divide : process (clock)
-    variable strobe : std_ulogic;
   begin
     if rising_edge(clock) then
-      strobe := publishing and divider(divider'left);
       if publishing = '0' then
         divider <= (others => '1');
       elsif strobe = '1' then

@@ -206,6 +206,32 @@ def test_the_twin_tells_what_the_small_engine_tells(tmp_path: Path) -> None:
     assert told["rtl"][2] == [5, 19, 19, 19, 19]
 
 
+def test_the_small_engine_publishes_as_its_twin(tmp_path: Path) -> None:
+    """The sizes are those of the twin, and no publish is missing."""
+    file = tmp_path / "lamp.ul"
+    file.write_text(
+        "link lamp (ENGINE=small); public lamp() "
+        "{ @led = 0x0: u8 WRITE(INITIAL=5, SAFE=1); @uptime = 0x2: READ(PUBLISH(100 Hz)); }"
+    )
+    told = {}
+    for kind in ("sim", "rtl"):
+        with connect(f"{kind}:{file}?clock_hz=4000000&plant=loopback&timeout=20") as link:
+            assert link.board.configuration.engine == "small"
+            link.write(0, 9)
+            with link.subscribe([0, 2], divisor=10) as published:
+                found: list[list[int]] = []
+                while len(found) < 3:
+                    assert published.wait(60)
+                    found += published.drain()[1].tolist()
+                assert published.missing == 0
+            with pytest.raises(DeviceMismatch, match="17"):
+                link.subscribe(range(18), divisor=10)
+            told[kind] = (link.description, link.configuration, [row[0] for row in found[:3]])
+    assert told["sim"] == told["rtl"]
+    _, configuration, values = told["rtl"]
+    assert (configuration.groups, configuration.usable_group_size, values) == (4, 17, [9, 9, 9])
+
+
 def address_of(url: str) -> tuple[str, int]:
     host, _, port = url.removeprefix("tcp://").rpartition(":")
     return host, int(port)

@@ -11,7 +11,10 @@ from typing import Any
 from unitylink.simulate import BoardConfiguration
 
 CLOCK_FS = 2_000_000  # of replay_tb
-STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
+STROBE = {  # of each engine
+    "fast": "/replay_tb/core/core_bii/publishing/subscription_manager/strobe",
+    "small": "/replay_tb/core/core_bii/small_side/framed_small/publishes/small_publishing/strobe",
+}
 PUBLISHED = 0x77  # the address of the first word of the publish that is watched
 
 
@@ -39,9 +42,9 @@ class WithOptions:
 class Watch:
     """A player for the core that also sees its base strobes."""
 
-    def __init__(self, rtl: Any, folder: Path) -> None:
+    def __init__(self, rtl: Any, folder: Path, engine: str = "fast") -> None:
         self.rtl, self.waves = rtl, folder / "ticks.vcd"
-        (folder / "ticks.opt").write_text(f"$ version 1.1\n{STROBE}\n", encoding="ascii")
+        (folder / "ticks.opt").write_text(f"$ version 1.1\n{STROBE[engine]}\n", encoding="ascii")
         options = (f"--vcd={self.waves}", f"--read-wave-opt={folder / 'ticks.opt'}")
         rtl.ghdl = WithOptions(rtl.ghdl, options)
 

@@ -145,7 +145,23 @@ inline constexpr std::uint32_t byte_clocks_min = 43;
 inline constexpr std::uint32_t groups_max = 6;
 inline constexpr std::uint32_t group_address_bytes = 23;
 inline constexpr std::uint32_t rate_bytes = 2;
+inline constexpr std::uint32_t publish_byte_clocks_min = 90;
+inline constexpr std::uint32_t publish_period_min = 3000;
 }  // namespace small_engine
+
+namespace small_latency {
+inline constexpr std::uint32_t tick = 222;
+inline constexpr std::uint32_t tick_group = 34;
+inline constexpr std::uint32_t tick_address_byte = 6;
+inline constexpr std::uint32_t tick_jitter = 120;
+inline constexpr std::uint32_t scan = 60;
+inline constexpr std::uint32_t request = 4200;
+inline constexpr std::uint32_t check = 1300;
+inline constexpr std::uint32_t publish = 540;
+inline constexpr std::uint32_t publish_word = 66;
+inline constexpr std::uint32_t publish_data_byte = 50;
+inline constexpr std::uint32_t publish_address_byte = 6;
+}  // namespace small_latency
 
 namespace tosnet {
 inline constexpr std::uint32_t address_bits = 11;

@@ -9,13 +9,14 @@ from typing import Any
 
 from unitylink.errors import ValueRangeError
 from unitylink.interface.components import ComponentConfiguration, components_of
-from unitylink.interface.engine import SMALL, beyond_small, lacks, small_will_do
+from unitylink.interface.engine import SMALL, beyond_small, groups_for, lacks, small_will_do, too_often
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import (
     CLOCK_HZ_DEFAULT,
     GROUPS_MAX,
     READ_MANY_MAX,
+    SMALL_ENGINE_GROUPS_MAX,
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,
     TOSNET_MEMORY_WORDS,
@@ -202,7 +203,8 @@ class BoardConfiguration(Settings):
             for lack in lacks(spec, overrides):
                 remedy = f"{lack.remedy}, or choose engine 'fast'"
                 raise ValueRangeError(f"board configuration: {lack.what}: {remedy}")
-            board = cls(**{**chosen, **SMALL, **overrides, "engine": "small"})
+            small = {**SMALL, **groups_for(spec, board, overrides), "groups": 1}
+            board = cls(**{**chosen, **small, **overrides, "engine": "small"})
         found: dict[str, Any] = {
             "groups": _groups_of(spec, board),
             "read_many": _read_many_of(spec),
@@ -211,7 +213,7 @@ class BoardConfiguration(Settings):
             "safe_words": safe_words(spec, board.data_bits),
         }
         board = replace(board, **{name: value for name, value in found.items() if name not in overrides})
-        if wrong := board.beyond_frames():
+        if wrong := board.beyond_frames() or (too_often(spec, board) if board.engine == "small" else ""):
             raise ValueRangeError(f"board configuration: {wrong}")
         return board
 
@@ -349,7 +351,8 @@ def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
         for device in spec.devices
     ]
     most_needed = max(needed, default=0)
-    return max(most_needed, min(max(LEAST_GROUPS, most_needed + SPARE_GROUPS), GROUPS_MAX))
+    limit = SMALL_ENGINE_GROUPS_MAX if board.engine == "small" else GROUPS_MAX
+    return max(most_needed, min(max(LEAST_GROUPS, most_needed + SPARE_GROUPS), limit))
 
 
 def _read_many_of(spec: Spec) -> int:

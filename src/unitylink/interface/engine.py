@@ -9,14 +9,14 @@ from typing import Any, Final, Protocol
 
 from unitylink import protocol as p
 from unitylink.settings import SETTINGS
-from unitylink.spec.check.engine import Lack, lacks_of
+from unitylink.spec.check.engine import Lack, lacks_of, small_group_size
+from unitylink.spec.isochrony import small
 from unitylink.spec.isochrony.latency import BITS_PER_BYTE
 from unitylink.spec.model import LINES, Instance, Spec
 
 SMALL: Final = MappingProxyType(
     {
         "protocol": "framed",
-        "publish_mode": 0,
         "lists": False,
         "exchanges": 0,
         "window": p.SMALL_ENGINE_WINDOW_MAX,
@@ -27,6 +27,15 @@ SMALL: Final = MappingProxyType(
     }
 )
 """The settings of a design with the small engine. `window` may be smaller."""
+
+GROUPS: Final = MappingProxyType(
+    {"groups": p.SMALL_ENGINE_GROUPS_MAX, "rate_bytes": p.SMALL_ENGINE_RATE_BYTES}
+)
+"""With publishing: the most groups, and the bytes of a divisor. small_group_size has the words of a group."""
+
+
+MOST_LOAD: Final = 0.8
+"""The share of the time that publishes may take."""
 
 
 class Chosen(Protocol):
@@ -44,6 +53,8 @@ class Chosen(Protocol):
     def baud_hz(self) -> int: ...
     @property
     def byte_clocks(self) -> int: ...
+    @property
+    def publish_mode(self) -> int: ...
 
 
 def sizes_of(engine: str) -> Mapping[str, Any]:
@@ -59,6 +70,62 @@ def beyond_small(configuration: Any) -> str:
         if value != has and not (name == "window" and value < has):
             most = "at most " if name == "window" else ""
             return f"{name} is {value!r}; the small engine has {most}{has!r}: choose that, or engine 'fast'"
+    if configuration.publish_mode:
+        size = small_group_size(configuration.address_bytes, configuration.data_bytes)
+        for name, has in {**GROUPS, "group_size": size}.items():
+            if getattr(configuration, name) > has:
+                value = getattr(configuration, name)
+                return f"{name} is {value}; the small engine has at most {has}: choose that, or engine 'fast'"
+    return ""
+
+
+def groups_for(spec: Spec, configuration: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of publishing for a design with the small engine.
+
+    It publishes if the spec does. The groups are as large as they can be.
+    """
+    mode = given.get("publish_mode", 2 if any(device.groups for device in spec.devices) else 0)
+    if not mode:
+        return {"publish_mode": 0}
+    size = small_group_size(configuration.address_bytes, configuration.data_bytes)
+    return {"publish_mode": mode, "group_size": size, "rate_bytes": p.SMALL_ENGINE_RATE_BYTES}
+
+
+def byte_clocks_min(publish_mode: int) -> int:
+    """Return the fewest clocks that a byte may take on the line of a design with the small engine."""
+    return p.SMALL_ENGINE_PUBLISH_BYTE_CLOCKS_MIN if publish_mode else p.SMALL_ENGINE_BYTE_CLOCKS_MIN
+
+
+def too_often(spec: Spec, configuration: Any) -> str:
+    """If a small engine cannot keep the rates of the spec's publishes, return this with the remedy, else "".
+
+    It prepares a publish, and then sends it. Both together must end before the next ones are due. Without a
+    baud rate the line takes no time.
+    """
+    publishes = [group for device in spec.devices for group in device.groups if group.divisor]
+    if not configuration.publish_mode or not publishes:
+        return ""
+    period = configuration.clock_hz // configuration.base_hz
+    least = p.SMALL_ENGINE_PUBLISH_PERIOD_MIN
+    if period < least:
+        return (
+            f"a base strobe comes every {period} clocks, and the small engine needs {least}: choose a lower "
+            "BASE, or engine 'fast'"
+        )
+    scan = p.SMALL_LATENCY_SCAN * p.SMALL_ENGINE_GROUPS_MAX
+    load = scan / period
+    size = small_group_size(configuration.address_bytes, configuration.data_bytes)
+    for group in publishes:
+        whole, rest = divmod(len(group.addresses), size)
+        for words in [size] * whole + [rest] * (rest > 0):
+            one = small.publish_of(words, configuration.address_bytes, configuration.data_bytes)
+            clocks = one.clocks + one.characters * max(2, configuration.byte_clocks)
+            load += clocks / (group.divisor * period)
+    if load > MOST_LOAD:
+        return (
+            f"its publishes take {load:.0%} of the time of the small engine and its line, and at most "
+            f"{MOST_LOAD:.0%} leave room for requests: choose lower rates, a faster line, or engine 'fast'"
+        )
     return ""
 
 
@@ -66,7 +133,7 @@ def too_fast(configuration: Chosen) -> str:
     """If the line brings posts faster than the small engine executes them, return this with the remedy, else
     "".
     """
-    clocks, least = configuration.byte_clocks, p.SMALL_ENGINE_BYTE_CLOCKS_MIN
+    clocks, least = configuration.byte_clocks, byte_clocks_min(configuration.publish_mode)
     if configuration.engine == "small" and 0 < clocks < least:
         return (
             f"a byte takes {clocks} clocks on the line, and the small engine needs {least}: choose a lower "
@@ -92,11 +159,13 @@ def small_will_do(spec: Spec, plain: Chosen, given: Mapping[str, Any]) -> bool:
     bursts or snapshots: a FIFO, a group, several polled values.
     """
     asked = all(given.get(name, value) == value for name, value in SMALL.items() if name != "window")
-    few = given.get("window", 0) <= SMALL["window"]
+    few = all(given.get(name, 0) <= most for name, most in {"window": SMALL["window"], **GROUPS}.items())
     line = plain.protocol == "framed" and plain.physical in LINES
+    least = byte_clocks_min(given.get("publish_mode", any(device.groups for device in spec.devices)))
     baud_hz = plain.baud_hz or max((device.link.baud_hz or 0 for device in spec.devices), default=0)
-    slow = baud_hz * p.SMALL_ENGINE_BYTE_CLOCKS_MIN <= plain.clock_hz * BITS_PER_BYTE
-    return asked and few and line and slow and not _at_once(spec) and not any(lacks(spec, given))
+    slow = baud_hz * least <= plain.clock_hz * BITS_PER_BYTE
+    able = not _at_once(spec) and not any(lacks(spec, given)) and not too_often(spec, plain)
+    return asked and few and line and slow and able
 
 
 def _at_once(spec: Spec) -> bool:

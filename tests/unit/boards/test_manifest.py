@@ -117,7 +117,8 @@ def test_the_engine_follows_from_the_board_and_the_spec(tmp_path: Path) -> None:
 
     assert engine("icebreaker") == engine("ice40-hx8k") == ("small", "framed")
     assert engine("icebreaker", "ENGINE=fast") == ("fast", "framed")
-    assert engine("icebreaker", publish="PUBLISH(10 Hz)") == ("fast", "framed")
+    assert engine("icebreaker", publish="PUBLISH(10 Hz)") == ("small", "framed")
+    assert engine("icebreaker", publish="PUBLISH(10 Hz)", base_hz=20_000) == ("fast", "framed")
     assert engine("ecp5-evn") == ("fast", "both"), "text needs the fast engine"
     assert engine("ecp5-evn", "ENGINE=small") == ("small", "framed")
     assert engine("icebreaker", clock_hz=12_000_000, baud_hz=3_000_000) == ("fast", "framed")

@@ -17,6 +17,12 @@ from unitylink.spec import Spec, compile_text
 
 LAMP = "@lamp = 0x0: u8 WRITE(SAFE=1); @buttons = 0x1: READ(); @uptime = 0x2: READ();"
 LEAST = p.SMALL_ENGINE_BYTE_CLOCKS_MIN
+PUBLISH_LEAST = p.SMALL_ENGINE_PUBLISH_BYTE_CLOCKS_MIN
+
+
+def slow_line(byte_clocks: int) -> dict[str, int]:
+    """Return the settings of a line of 10 MBd with so many clocks a byte."""
+    return {"clock_hz": 1_000_000 * byte_clocks, "baud_hz": 10_000_000}
 
 
 def spec_of(members: str = LAMP, link: str = "") -> Spec:
@@ -39,12 +45,20 @@ def spec_of(members: str = LAMP, link: str = "") -> Spec:
         (LAMP, {"protocol": "framed", "clock_hz": 1_000_000 * LEAST - 1, "baud_hz": 10_000_000}, "fast"),
         (LAMP, {"protocol": "framed", "lists": True}, "fast"),
         (LAMP, {"protocol": "framed", "exchanges": 1}, "fast"),
-        (LAMP, {"protocol": "framed", "publish_mode": 2}, "fast"),
+        (LAMP, {"protocol": "framed", "publish_mode": 2}, "small"),
+        (LAMP, {"protocol": "framed", "publish_mode": 2, "groups": 7}, "fast"),
+        (LAMP, {"protocol": "framed", "rate_bytes": 3}, "fast"),
         (LAMP, {"protocol": "framed", "window": 16}, "fast"),
         (LAMP, {"protocol": "framed", "window": 4}, "small"),
         (LAMP, {"protocol": "framed", "engine": "fast"}, "fast"),
-        ("@x = 0x1: READ(PUBLISH(10 Hz));", {"protocol": "framed"}, "fast"),
-        ("@x = 0x1: READ(PUBLISH(on change));", {"protocol": "framed"}, "fast"),
+        ("@x = 0x1: READ(PUBLISH(10 Hz));", {"protocol": "framed"}, "small"),
+        ("@x = 0x1: READ(PUBLISH(on change));", {"protocol": "framed"}, "small"),
+        ("@x = 0x1: READ(PUBLISH(1, 70000));", {"protocol": "framed"}, "fast"),  # its divisor has two bytes
+        ("@x = 0x1: READ(PUBLISH(1000 Hz));", {"protocol": "framed", "baud_hz": 200_000}, "fast"),
+        ("@x = 0x1: READ(PUBLISH(1000 Hz));", {"protocol": "framed", "baud_hz": 1_000_000}, "small"),
+        ("@x = 0x1: READ(PUBLISH(1 Hz));", {"protocol": "framed", "base_hz": 20_000}, "fast"),
+        ("@x = 0x1: READ(PUBLISH(1 Hz));", {"protocol": "framed", **slow_line(PUBLISH_LEAST)}, "small"),
+        ("@x = 0x1: READ(PUBLISH(1 Hz));", {"protocol": "framed", **slow_line(PUBLISH_LEAST - 1)}, "fast"),
         ("@x = 0x1: READ(PUBLISH(10 Hz));", {"protocol": "framed", "publish_mode": 0}, "small"),
         ("@x = 0x1: READ(PUBLISH(2, 10));", {"protocol": "framed"}, "small"),
         ("@x = 0x1: READ(PUBLISH(2, 10)); @y = 0x2: READ(PUBLISH(2, 10));", {"protocol": "framed"}, "fast"),
@@ -78,7 +92,9 @@ def test_the_spec_chooses() -> None:
         ({"protocol": "both"}, "protocol is 'both'; the small engine has 'framed'"),
         ({"lists": True}, "lists is True; the small engine has False"),
         ({"exchanges": 1}, "exchanges is 1; the small engine has 0"),
-        ({"publish_mode": 1}, "publish_mode is 1; the small engine has 0"),
+        ({"publish_mode": 2, "groups": 7}, "groups is 7; the small engine has at most 6"),
+        ({"publish_mode": 2, "group_size": 18}, "group_size is 18; the small engine has at most 17"),
+        ({"publish_mode": 1, "rate_bytes": 3}, "rate_bytes is 3; the small engine has at most 2"),
         ({"window": 16}, "window is 16; the small engine has at most 8"),
         ({"request_max": 250}, "request_max is 250; the small engine has 32"),
         ({"credit": 512}, "credit is 512; the small engine has 96"),
@@ -94,13 +110,34 @@ def test_a_setting_that_the_small_engine_does_not_have_is_refused(
 @pytest.mark.parametrize(
     ("members", "message"),
     [
-        ("@x = 0x1: READ(PUBLISH(10 Hz));", r"does not publish `x`: let the PC ask for it: PUBLISH\(2,"),
+        (
+            "@x = 0x1: READ(PUBLISH(1, 70000));",
+            "counts to 65535, and the divisor of `x` is 70000: choose a lower BASE",
+        ),
         ("@x = 0x1: f64 READ();", "one word at a time, and `x` has 2: give it a type of one word"),
     ],
 )
 def test_a_spec_that_needs_more_is_refused(members: str, message: str) -> None:
     with pytest.raises(ValueRangeError, match=f"{message}.*, or choose engine 'fast'"):
         BoardConfiguration.for_spec(spec_of(members), engine="small")
+
+
+def test_rates_that_the_small_engine_cannot_keep_are_refused() -> None:
+    spec = spec_of("@x = 0x1: READ(PUBLISH(1000 Hz));", "ENGINE=small")
+    with pytest.raises(ValueRangeError, match=r"publishes take \d+% of the time .* at most 80%"):
+        BoardConfiguration.for_spec(spec, baud_hz=200_000)
+    with pytest.raises(
+        ValueRangeError, match="strobe comes every 2500 clocks, and the small engine needs 3000"
+    ):
+        BoardConfiguration.for_spec(spec, base_hz=20_000)
+    chosen = BoardConfiguration.for_spec(spec, baud_hz=1_000_000)
+    assert (chosen.publish_mode, chosen.groups, chosen.group_size) == (2, 4, 17)
+
+
+def test_a_large_group_becomes_several() -> None:
+    members = "".join(f"@x{n} = {n:#x}: READ(PUBLISH(10 Hz)); " for n in range(40))
+    chosen = BoardConfiguration.for_spec(spec_of(members), protocol="framed")
+    assert (chosen.engine, chosen.publish_words, chosen.groups) == ("small", 17, 5)
 
 
 def test_a_line_is_too_fast_where_posts_could_come_faster_than_they_are_executed() -> None:

@@ -59,16 +59,20 @@ def test_what_a_link_cannot_stand_on(properties: str, code: str, message: str) -
     assert found == code and message in said
 
 
+SEVEN_RATES = "".join(f"@x{n} = {n + 1:#x}: READ(PUBLISH(1, {n + 1})); " for n in range(7))
+
+
 @pytest.mark.parametrize(
     ("members", "said"),
     [
-        ("@x = 0x1: READ(PUBLISH(10 Hz));", ["the small engine does not publish `x`"]),
+        ("@x = 0x1: READ(PUBLISH(10 Hz));", []),
         ("@x = 0x1: u64 READ();", ["the small engine reads one word at a time, and `x` has 2"]),
         (
             "DOUBLE_BUFFER(SIZE=4); @x = 0x1: READ();",
             ["the small engine has no lists, which DOUBLE_BUFFER of"],
         ),
-        ("@x = 0x1: READ(PUBLISH(10 Hz)); @y = 0x2: READ(PUBLISH(20 Hz));", ["does not publish `x`"]),
+        (SEVEN_RATES, ["the small engine publishes 6 groups of 17 words, and `x6` needs one more"]),
+        ("@x = 0x1: READ(PUBLISH(1, 70000));", ["counts to 65535, and the divisor of `x` is 70000"]),
         ("@x = 0x1: READ(PUBLISH(2, 10)); @y = 0x2: u64 WRITE();", []),
     ],
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration
-from unitylink.protocol import SMALL_ENGINE_BYTE_CLOCKS_MIN
+from unitylink.interface.engine import byte_clocks_min
 
 from ..quoting import Part, Vhdl
 from .functions import Function
@@ -164,7 +164,8 @@ class Plan:
     def byte_clocks_min(self) -> int:
         """The fewest clocks that a byte may take on the line. It is 0 if there is no line, or no limit."""
         line = any(item.name == "baud_hz" for item in self.layer.generics)
-        return SMALL_ENGINE_BYTE_CLOCKS_MIN if line and self.configuration.engine == "small" else 0
+        small = line and self.configuration.engine == "small"
+        return byte_clocks_min(self.configuration.publish_mode) if small else 0
 
     @cached_property
     def setting_width(self) -> int:

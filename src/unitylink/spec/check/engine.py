@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from unitylink import protocol as p
+
 from ..expand.publishing import devices
 from ..model import Device, Element, Instance, Link
 from ..report.diagnostics import Reporter
@@ -41,13 +43,8 @@ def lacks_of(
     among: Iterable[Device], elements: Iterable[Element], *, publishing: bool = True
 ) -> Iterator[Lack]:
     """Yield what the small engine cannot do. Without `publishing`, the publishes of the spec do not count."""
-    for group in (group for device in among for group in device.groups if publishing):
-        element = group.elements[0]
-        yield Lack(
-            element,
-            f"the small engine does not publish `{element.path}`",
-            "let the PC ask for it: PUBLISH(2, divisor)",
-        )
+    for device in among if publishing else ():
+        yield from _lacks_of_groups(device)
     for element in elements:
         if element.link.kind in ("tosnet", "double_buffer"):
             yield Lack(
@@ -60,4 +57,40 @@ def lacks_of(
                 element,
                 f"the small engine reads one word at a time, and `{element.path}` has {element.words}",
                 "give it a type of one word",
+            )
+
+
+def small_group_size(address_bytes: int, data_bytes: int) -> int:
+    """Return the most words of a group of the small engine. Its record has room for the addresses of so many,
+    and so has a publish for their words.
+
+    >>> small_group_size(2, 4), small_group_size(1, 4)
+    (11, 17)
+    """
+    carried = (p.SMALL_ENGINE_REPLY_MAX - 7) // data_bytes  # less the head of a publish
+    return min(p.SMALL_ENGINE_GROUP_ADDRESS_BYTES // address_bytes, carried)
+
+
+def _lacks_of_groups(device: Device) -> Iterator[Lack]:
+    """Yield what its groups need that the small engine lacks. A group of many words becomes several."""
+    link = device.link
+    highest = max((address for group in device.groups for address in group.addresses), default=0)
+    address_bits = link.address_bits or highest.bit_length() or 1
+    most = small_group_size(-(-address_bits // 8), -(-link.data_bits // 8))
+    needed = 0
+    for group in device.groups:
+        element = group.elements[0]
+        needed += -(-len(group.addresses) // most)
+        if needed > p.SMALL_ENGINE_GROUPS_MAX:
+            yield Lack(
+                element,
+                f"the small engine publishes {p.SMALL_ENGINE_GROUPS_MAX} groups of {most} words, and "
+                f"`{element.path}` needs one more",
+                "let the PC ask for some values: PUBLISH(2, divisor)",
+            )
+        if group.divisor >= 1 << 8 * p.SMALL_ENGINE_RATE_BYTES:
+            yield Lack(
+                element,
+                f"the small engine counts to 65535, and the divisor of `{element.path}` is {group.divisor}",
+                "choose a lower BASE",
             )

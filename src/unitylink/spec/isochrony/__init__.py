@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How regularly the gateware publishes: the clocks from a base strobe to the first bus strobe of a publish.
 
-The constants are [latency] and [framed_latency] of protocol.toml. tests/gateware/test_isochrony.py and
-test_framed_isochrony.py compare the VHDL with them.
+The constants are [latency], [framed_latency] and [small_latency] of protocol.toml.
+tests/gateware/test_isochrony.py, test_framed_isochrony.py and test_small_isochrony.py compare the VHDL with
+them.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Sequence
 
 from unitylink.errors import ValueRangeError
 
-from . import classic, framed
+from . import classic, framed, small
 from .bound import Gateware, Isochrony, Occupation
 
 __all__ = ["Gateware", "Isochrony", "Occupation", "isochrony"]
@@ -52,7 +53,8 @@ def isochrony(
     if read_many is not None and read_many < 0:
         raise ValueRangeError(f"isochrony: read_many is {read_many}; choose 0 or more words")
     if chosen == "framed":
-        return framed.isochrony(gateware, words=read_many, before=before, bus_waits=bus_waits)
+        engine = small if gateware.engine == "small" else framed
+        return engine.isochrony(gateware, words=read_many, before=before, bus_waits=bus_waits)
     return classic.isochrony(
         gateware, read_many=read_many, before=before, checked=checked, bus_waits=bus_waits
     )

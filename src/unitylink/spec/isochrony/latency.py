@@ -52,6 +52,7 @@ class _Gateware:
     publish_mode: int = 2
     datalink: str = "full"
     checksum: str = "crc8"
+    engine: str = "fast"
 
 
 def publishes_of(words: int, data_bits: int, protocol: str) -> list[int]:
@@ -113,6 +114,7 @@ def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Ga
         byte_clocks=-(-clock_hz * BITS_PER_BYTE // baud_hz),
         protocol=protocol,
         clock_hz=clock_hz,
+        engine=link.engine or "fast",
     )
 
 
