@@ -58,7 +58,7 @@ begin
     procedure take_strobes (count : natural; what : string) is
       variable taken : natural := 0;
     begin
-      wait_clocks(clock, 1);
+      wait_clocks(clock, 2);
       while wants(6) = '1' loop
         taken := taken + 1;
         note(note_strobe_taken);

@@ -330,3 +330,33 @@ def test_a_history_on_rtl(rtl: Any, seed: int, generics: dict[str, Any]) -> None
         told = next(answers) if isinstance(step, bytes) else b"".join(next(answers) for _ in range(3))
         expected = play_reference(reference, step)
         assert without_clocks(told) == without_clocks(expected), f"step {number}: {step!r}"
+
+
+@pytest.mark.parametrize(("a", "d", "period"), [(2, 4, 2600), (1, 1, 2200)])
+def test_posts_at_the_full_rate_of_a_line_while_it_publishes(rtl: Any, a: int, d: int, period: int) -> None:
+    """A UART of 80 clocks a byte, which is faster than the compiler allows: nothing is lost.
+
+    The publishes take more than four fifths of the time.
+    """
+    count = 60
+    settings = small_settings(a, d, groups=1, base_hz=50_000_000 // period)
+    define = ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 2), (0, 1), (1, 4), (0, 1), (1, 1), (0x21, a))
+    on, off = (
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (n, 2), (p.CONTROL_PUBLISH, 2), (value, 4))
+        for n, value in ((1, 1), (2, 0))
+    )
+    posts = [ask(p.REQUEST_KIND_POST, (n, 2), (0x20, a), (n, d)) for n in range(count)]
+    sync = ask(p.REQUEST_KIND_SYNC, (3, 2))
+    lost = ask(p.REQUEST_KIND_READ_CONTROL, (4, 2), (p.CONTROL_RECEIVE_OVERRUNS, 2), (1, 1))
+    *_, told = play(
+        rtl,
+        settings,
+        [opening(), define, on[:-1], b"\0" + b"".join(posts) + off + sync + lost],
+        physical="uart",
+    )
+    published = [frame for frame in frames_of(told) if frame.kind == p.DEVICE_KIND_PUBLISH]
+    *_, synced, overruns = [frame for frame in frames_of(told) if frame.kind != p.DEVICE_KIND_PUBLISH]
+    assert int.from_bytes(synced.payload[4:6], "big") == count
+    assert int.from_bytes(overruns.payload[4:], "big") == 0
+    line_clocks = 80 * sum(map(len, posts))
+    assert len(published) >= 0.8 * line_clocks / period
