@@ -53,8 +53,8 @@ def isochrony(
     if read_many is not None and read_many < 0:
         raise ValueRangeError(f"isochrony: read_many is {read_many}; choose 0 or more words")
     if chosen == "framed":
-        engine = small if gateware.engine == "small" else framed
-        return engine.isochrony(gateware, words=read_many, before=before, bus_waits=bus_waits)
+        bound = small.isochrony if gateware.engine == "small" else framed.isochrony
+        return bound(gateware, words=read_many, before=before, bus_waits=bus_waits)
     return classic.isochrony(
         gateware, read_many=read_many, before=before, checked=checked, bus_waits=bus_waits
     )
