@@ -19,6 +19,7 @@ TEXT = """
 link body (ADDRESS=8);
 public body() {
    imu: icm42688(rate=100 Hz, start=2 ms);
+   other: lsm6dso();
    gauge: spi_device(command=0x90, words=2, bytes=3, order="little", mode=2);
 }
 """
@@ -66,6 +67,23 @@ def test_an_inertial_sensor_is_set_up_and_read(board: Board) -> None:
         until(lambda: robot["imu.age"].read() > 5000)
         imu.plugged = True
         until(lambda: robot["imu.status"].read().valid)
+
+
+def test_another_sensor_has_the_low_byte_first(board: Board) -> None:
+    other = board.components["other"].device
+    with Link(board.url) as link:
+        robot = load_spec_objects(board.spec, link)
+        other[0x22:0x2E] = b"".join(
+            value.to_bytes(2, "little", signed=True) for value in (1000, -1000, 0, 2049, -2049, 1)
+        )
+        other[0x0F] = 0x6C
+        until(lambda: robot["other.status"].read().valid)
+        assert bytes(other[0x10:0x13]) == bytes([0x84, 0x8C, 0x44])
+        assert robot["other.turn[0]"].read() == pytest.approx(70)
+        assert robot["other.turn[1]"].read() == pytest.approx(-70)
+        assert robot["other.acceleration[0]"].read() == pytest.approx(9.806, abs=0.005)
+        other[0x0F] = 0
+        until(lambda: not robot["other.status"].read().valid)
 
 
 def test_values_of_three_bytes_with_the_lowest_first(board: Board) -> None:

@@ -45,6 +45,25 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "spi_device",
+        "`components/spi_device`, its lines: mode 1, half a period of 2 clocks, pauses of 3",
+        depth=20,
+        pdr=True,
+        reach=60,
+        not_proven="other modes and rates, and the bytes themselves: the benches try them; the program",
+        mutants=(
+            Mutant("spi_master.vhd", "count <= half_clocks - 1;", "count <= half_clocks - 2;"),
+            Mutant(
+                "spi_master.vhd",
+                "ends   <= turns and (and half);",
+                "ends   <= turns and (and half(2 downto 0));",
+            ),
+            Mutant("spi_master.vhd", "if opens = '1' or (last = '1'", "if (last = '1'"),
+            Mutant("spi_master.vhd", "not half(0)) when ends = '0' else at_rest;", "not half(0));"),
+            Mutant("spi_master.vhd", "if half(0) = '1' then", "if half(0) = '0' then"),
+        ),
+    ),
+    Block(
         "stepgen_pulse",
         "`components/stepgen`, the pins STEP and DIR of an axis",
         depth=24,
