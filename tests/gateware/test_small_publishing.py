@@ -289,6 +289,25 @@ def test_a_publish_goes_first(assembler: Any) -> None:
     assert not a_request_goes_first(program_of(assembler))
 
 
+def test_the_longest_publish_takes_5200_clocks(assembler: Any) -> None:
+    """The page states this number. An instruction takes two clocks."""
+    steps: list[int] = []
+
+    class Watched(SmallEngine):
+        def _step(self) -> None:
+            steps.append(self.position)
+            super()._step()
+
+    program = program_of(assembler)
+    engine = Watched(program, small_settings(1, 4, groups=1))
+    words = [(n, 1) for n in range(17)]
+    engine.feed(opening())
+    engine.feed(ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 2), (0, 1), (1, 4), (0, 1), (17, 1), *words))
+    engine.feed(ask(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (p.CONTROL_PUBLISH, 2), (1, 4)))
+    begun = steps.index(program.labels["choose"])
+    assert 5000 < 2 * (steps.index(program.labels["next"], begun) - begun) <= 5200
+
+
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_in_the_program_is_noticed(assembler: Any, mistake: str) -> None:
     program = with_mistake(assembler, *MISTAKES[mistake], name="publishing")
