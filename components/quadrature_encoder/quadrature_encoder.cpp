@@ -16,7 +16,7 @@ class QuadratureEncoder final : public Component {
  public:
   explicit QuadratureEncoder(const ComponentConfiguration& from)
       : Component(from, "100100", true),
-        filter_(3, static_cast<std::uint32_t>(from.generic("stable_clocks", 2))),
+        filter_(3, stable_clocks(from)),
         with_index_(from.generic("with_index", 0) != 0),
         with_stamps_(from.generic("with_stamps", 0) != 0),
         data_mask_(from.data_mask()) {
@@ -33,6 +33,12 @@ class QuadratureEncoder final : public Component {
   static constexpr Clock frees_index = 2 * index_stamp;
   static constexpr Clock shows = round_clocks - 1;
 
+  // A level counts when it has been stable for so long: clocks_lasting of rate_pkg.vhd.
+  [[nodiscard]] static std::uint32_t stable_clocks(const ComponentConfiguration& from) {
+    const std::int64_t clock_khz = (from.generic("clock_hz", 50'000'000) + 999) / 1000;
+    return static_cast<std::uint32_t>(
+        std::max<std::int64_t>(1, (from.generic("filter_ns", 40) * clock_khz + 999'999) / 1'000'000));
+  }
   // The first edge from `edge` on with this place in its round.
   [[nodiscard]] static Clock at_place(Clock place, Clock edge) noexcept {
     return edge + (place + round_clocks - edge % round_clocks) % round_clocks;

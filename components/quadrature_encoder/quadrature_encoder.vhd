@@ -17,25 +17,29 @@
 -- and a publish of many encoders has one moment for all, to 16 clocks. A preset loses no step.
 --
 -- Events    indexed: a rising edge of index. failed: an impossible step.
--- Speed     At most one step per stable_clocks. A faster step is counted in +3, and the position is then wrong by at
+-- Filter    A level counts when it has been stable for filter_ns, rounded up to whole clocks and at least one. Below,
+--           these clocks are called the filter.
+-- Speed     At most one step per filter. A faster step is counted in +3, and the position is then wrong by at
 --           least two counts. +2 and +3 count at most one in 16 clocks.
 -- Latency   2 clocks for a read, at most 34 for a write: it is acknowledged when it is in force and can be read. The
---           position follows the pins at most 35 + stable_clocks clocks later. The events follow them 3 + stable_clocks
---           clocks later.
+--           position follows the pins at most 35 clocks and the filter later. The events follow them 3 clocks and the
+--           filter later.
 -- Errors    err for writes to other addresses than +0 and +3, and for addresses from 6 on.
 -- Reset     All words are zero. The levels of the pins at that time are not counted as a step, if the reset lasts at
 --           least 5 clocks. The first access waits for up to 17 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use work.rate_pkg.all;
   use work.wishbone_pkg.all;
 
 entity quadrature_encoder is
   generic (
-    data_width    : positive range 8 to 32 := 32;
-    stable_clocks : positive               := 2; -- clocks for which a level must be stable
-    with_index    : natural range 0 to 1   := 0;
-    with_stamps   : natural range 0 to 1   := 0
+    clock_hz    : positive                := 50_000_000;
+    filter_ns   : natural range 0 to 2000 := 40;
+    with_index  : natural range 0 to 1    := 0;
+    with_stamps : natural range 0 to 1    := 0;
+    data_width  : positive range 8 to 32  := 32
   );
   port (
     clock        : in  std_ulogic;
@@ -58,7 +62,7 @@ architecture rtl of quadrature_encoder is
 begin
 
   inputs : entity work.input_filter
-    generic map (width => 3, stable_clocks => stable_clocks)
+    generic map (width => 3, stable_clocks => clocks_lasting(filter_ns, clock_hz))
     port map (
       clock => clock, reset => reset,
       pins(0) => a, pins(1) => b, pins(2) => index, levels => levels);

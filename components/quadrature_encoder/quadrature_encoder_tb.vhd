@@ -13,7 +13,7 @@ library ieee;
 entity quadrature_encoder_tb is
   generic (
     data_width    : positive range 8 to 32 := 32;
-    stable_clocks : positive := 2;
+    stable_clocks : positive := 2; -- at 50 MHz
     with_index    : natural  := 1;
     with_stamps   : natural  := 1;
     seed          : positive := 1
@@ -41,7 +41,7 @@ begin
 
   dut : entity work.quadrature_encoder
     generic map (
-      data_width => data_width, stable_clocks => stable_clocks, with_index => with_index, with_stamps => with_stamps)
+      data_width => data_width, filter_ns => 20 * stable_clocks, with_index => with_index, with_stamps => with_stamps)
     port map (
       clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, indexed => indexed, failed => failed,
       a => a, b => b, index => index);

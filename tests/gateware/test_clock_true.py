@@ -78,9 +78,9 @@ CASES = {
         Case("failures_most=2", {0: (0, *[1] * 30)}, 300, 9000, program=CHECKED),
     ),
     "quadrature_encoder": (
-        Case("with_index=1, with_stamps=1", {3: (0,)}, wait=34),
-        Case("stable_clocks=1, with_index=1", pause=2000, wait=34),
-        Case("stable_clocks=5", wait=34),
+        Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),
+        Case("filter_ns=0, with_index=1", pause=2000, wait=34),
+        Case("filter_ns=2000", wait=34),
         Case("with_index=1", pause=5, quiet=400, wait=34),
     ),
 }
@@ -137,7 +137,12 @@ FAULTS = [
     ("quadrature_encoder", 3, "preset     <= hit;", "preset     <= '0';"),
     ("quadrature_encoder", 0, "thawed or (put and last)", "thawed"),
     ("quadrature_encoder", 1, "a(channel) xor b_before(channel)", "a(channel) xor b(channel)"),
-    ("quadrature_encoder", 2, "stable_clocks => stable_clocks", "stable_clocks => stable_clocks - 1"),
+    (
+        "quadrature_encoder",
+        2,
+        "clocks_lasting(filter_ns, clock_hz)",
+        "clocks_lasting(filter_ns, clock_hz) - 1",
+    ),
     ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
     ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
     ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),
