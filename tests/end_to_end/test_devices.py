@@ -21,6 +21,7 @@ public body() {
    imu: icm42688(rate=100 Hz, start=2 ms);
    other: lsm6dso();
    gauge: spi_device(command=0x90, words=2, bytes=3, order="little", mode=2);
+   wheel: quadrature_encoder();
 }
 """
 
@@ -95,6 +96,22 @@ def test_values_of_three_bytes_with_the_lowest_first(board: Board) -> None:
         assert robot["gauge.value[0]"].read() == 0x030201
         robot["gauge.control"].write({"enable": False})
         until(lambda: not robot["gauge.status"].read().valid)
+
+
+def test_a_shaft_turns_beside_a_device(board: Board) -> None:
+    board.components["imu"].device[0x75] = 0x47
+    with Link(board.url) as link:
+        robot = load_spec_objects(board.spec, link)
+        board.components["wheel"].turn(101, 0.02)
+        until(lambda: robot["imu.status"].read().valid)
+        before = robot["imu.stamp"].read()
+        until(lambda: robot["imu.stamp"].read() - before > 2_000_000)  # 40 ms of the board
+        assert robot["wheel.position"].read() == 101
+
+
+def test_whether_there_is_a_component_can_be_asked(board: Board) -> None:
+    assert "imu" in board.components
+    assert "arm" not in board.components and 5 not in board.components
 
 
 def test_what_a_device_has_not_is_refused(board: Board) -> None:

@@ -122,7 +122,9 @@ Clock AddressMap::next_clock() const noexcept {
 
 void AddressMap::advance(Clock now) {
   for (Bus* slave : timed_) {
-    slave->advance(now);
+    if (slave->next_clock() <= now) {  // the others may still be told of levels before `now`
+      slave->advance(now);
+    }
   }
 }
 

@@ -176,6 +176,9 @@ class BoardComponents(Mapping[str, BoardComponent]):
             )
         return found
 
+    def __contains__(self, path: object) -> bool:
+        return path in self._found
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._found)
 
