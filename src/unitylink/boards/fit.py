@@ -42,7 +42,7 @@ REMEDIES = (
     Remedy("--protocol framed", "frames alone, without text", 550, 7, lambda c: c.protocol == "both"),
     Remedy(
         "--set engine=small",
-        "the small engine: frames alone, without publishing and lists",
+        "the small engine: frames alone, without lists",
         790,
         9,
         lambda c: c.protocol != "classic" and c.engine == "fast",
@@ -50,13 +50,12 @@ REMEDIES = (
     Remedy(
         "--set groups=2",
         "2 publish groups instead of 4",
-        110,
+        55,
         0,
         lambda c: c.publish_mode > 0 and c.groups > 2,
     ),
     Remedy("--set publish_mode=0", "no publishing", 260, 4, _above("publish_mode", 0)),
-    Remedy("--set lists=false", "no lists and post lists", 150, 0, _framed("lists", 0)),
-    Remedy("--set exchanges=0", "no exchange groups", 70, 0, _framed("exchanges", 0)),
+    Remedy("--set lists=false", "no lists and post lists", 110, 0, _framed("lists", 0)),
     Remedy("--set window=16", "fewer requests in flight", 0, 1, _framed("window", 16)),
 )
 

@@ -63,7 +63,7 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
             BoardError,
             r"does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280\.\nWhat would help.*"
             r"\n  --set engine=small: .*"
-            r"\n  --set groups=2: 2 publish groups instead of 4, about 110 cells less\n",
+            r"\n  --set groups=2: 2 publish groups instead of 4, about 55 cells less\n",
         ),
         (
             SLOW,

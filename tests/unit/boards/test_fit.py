@@ -55,7 +55,6 @@ def test_figures_are_those_of_the_record() -> None:
         measured = {
             "--set groups=2": "groups_2",
             "--set lists=false": "no_lists",
-            "--set exchanges=0": "no_exchanges",
             "--set window=16": "window_16",
         }
         for option, row in measured.items():
