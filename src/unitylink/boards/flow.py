@@ -161,7 +161,13 @@ def budgets_of(
     """
     protocol = "classic" if configuration.protocol == "classic" else "framed"
     budgets = [
-        budget(device, protocol=protocol, clock_hz=clock_hz, baud_hz=baud_hz or None)
+        budget(
+            device,
+            protocol=protocol,
+            clock_hz=clock_hz,
+            baud_hz=baud_hz or None,
+            engine=configuration.engine,
+        )
         for device in spec.devices
     ]
     for one in budgets:

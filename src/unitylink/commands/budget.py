@@ -41,6 +41,11 @@ from .output import json_option, print_fields, print_json, print_table
     metavar="N",
     help="Most words of a request that may delay a publish (255).",
 )
+@click.option(
+    "--engine",
+    type=click.Choice(["fast", "small"]),
+    help="Engine of the framed protocol, if not that of the spec (fast).",
+)
 @json_option("the budget")
 def command(
     spec_file: str,
@@ -50,6 +55,7 @@ def command(
     clock_hz: int,
     checked: bool,
     read_many: int | None,
+    engine: str | None,
     as_json: bool,
 ) -> int:
     """Show the cost of the publishes of SPEC: bytes, load, highest rates, worst delays.
@@ -60,7 +66,7 @@ def command(
     Examples:
       unitylink budget arm.ul
       unitylink budget arm.ul --baud 3000000
-      unitylink budget arm.ul --baud 1000000 --clock-hz 12000000
+      unitylink budget arm.ul --baud 1000000 --clock-hz 12000000 --engine small
       unitylink budget arm.ul --baud 921600 --protocol classic --crc --json
     """
     if checked and protocol == "framed":
@@ -74,6 +80,7 @@ def command(
             baud_hz=baud_hz,
             checked=checked,
             read_many=read_many,
+            engine=engine,
         )
         for device in spec.devices
     ]

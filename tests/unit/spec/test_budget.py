@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unitylink.boards.flow import budgets_of
+from unitylink.interface.engine import GROUPS, SMALL
 from unitylink.layer0_driver import Driver
 from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text, load
@@ -159,6 +161,20 @@ def test_the_bound_follows_the_protocol_and_the_clock(clock_hz: int) -> None:
     assert (one.protocol, one.clock_hz) == ("framed", clock_hz)
     assert one.groups[0].sampled_s == pytest.approx(bound.bound_clocks / clock_hz)
     assert bound.longest.name == "LIST" and bound.late_s > 2 * (6 + 8 * 4 + 6) * 10e-6 - 100 / clock_hz
+
+
+@pytest.mark.parametrize("engine", ["fast", "small"])
+def test_the_bound_follows_the_engine_of_the_design(engine: str) -> None:
+    text = "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }"
+    spec = compile_text("link l (ADDRESS=8, BAUD=1000000);\n" + text, "board.ul").spec
+    said = compile_text(f"link l (ADDRESS=8, BAUD=1000000, ENGINE={engine});\n" + text, "board.ul").spec
+    assert spec is not None and said is not None
+    one = budget(spec.devices[0], engine=engine)
+    assert one.groups == budget(said.devices[0]).groups
+    small = {**SMALL, **GROUPS, "group_size": 11} if engine == "small" else {"protocol": "framed"}
+    design = BoardConfiguration(**{"baud_hz": 1_000_000, "engine": engine, **small})
+    assert budgets_of(spec, design, 50_000_000, 1_000_000) == [one]
+    assert (one.groups == budget(spec.devices[0]).groups) == (engine == "fast")
 
 
 def test_a_group_that_is_longer_than_a_frame_comes_as_several() -> None:

@@ -121,13 +121,15 @@ def budget(
     checked: bool = False,
     read_many: int | None = None,
     timed: bool = True,
+    engine: str | None = None,
 ) -> DeviceBudget:
     """Return the budget of a device, at the declared baud rate or at another one.
 
-    `protocol` is the one of the link ("framed" or "classic"). `clock_hz` is the clock of the design. For the
-    classic protocol, `checked` means that publishes have a checksum. Requests of `read_many` words may delay
-    a publish that is due. Without `timed`, latencies are left out, because they take most of the time to
-    compute.
+    `protocol` is the one of the link ("framed" or "classic"). `clock_hz` is the clock of the design, and
+    `engine` its engine of the framed protocol ("fast" or "small"). None means the one of the link, or else
+    the fast one. For the classic protocol, `checked` means that publishes have a checksum. Requests of
+    `read_many` words may delay a publish that is due. Without `timed`, latencies are left out, because they
+    take most of the time to compute.
     """
     link = device.link
     baud_hz = baud_hz if baud_hz is not None else link.baud_hz
@@ -136,7 +138,9 @@ def budget(
     costs = [sum(publish_bytes(n, link.data_bits, checked, protocol) for n in part) for part in parts]
     late = [Latency(None, None)] * len(costs)
     if timed and baud_hz:
-        late = latencies(device, costs, baud_hz, read_many, protocol=protocol, clock_hz=clock_hz)
+        late = latencies(
+            device, costs, baud_hz, read_many, protocol=protocol, clock_hz=clock_hz, engine=engine
+        )
     groups = tuple(
         GroupBudget(
             number=group.number,

@@ -76,11 +76,13 @@ def latencies(
     *,
     protocol: str,
     clock_hz: int,
+    engine: str | None = None,
 ) -> list[Latency]:
     """Return the bounds of each group of `device`. Its publishes have `message_bytes` each.
 
     They hold for the generated gateware at `clock_hz`, whatever requests of up to `read_many` words come in
-    by `protocol`. Every other group comes first, as often as it is due meanwhile. A group with an event comes
+    by `protocol`. `engine` is that of the design. None means the one that the spec's link asks for, or else
+    the fast one. Every other group comes first, as often as it is due meanwhile. A group with an event comes
     once.
     """
     groups, base_hz = device.groups, device.link.base_hz
@@ -88,7 +90,7 @@ def latencies(
     rated = [cost / group.divisor for group, cost in zip(groups, message_bytes, strict=True) if group.divisor]
     if sum(rated) * base_hz * BITS_PER_BYTE > baud_hz:
         return never
-    gateware = _gateware(device, baud_hz, protocol, clock_hz)
+    gateware = _gateware(device, baud_hz, protocol, clock_hz, engine or device.link.engine or "fast")
     kinds = [
         (group.divisor / base_hz if group.divisor else math.inf, len(group.addresses), cost)
         for group, cost in zip(groups, message_bytes, strict=True)
@@ -98,7 +100,7 @@ def latencies(
     return [known[kind] for kind in kinds]
 
 
-def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Gateware:
+def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int, engine: str) -> _Gateware:
     """Return the gateware that the generator makes.
 
     Without a stated address width, the largest is assumed.
@@ -114,7 +116,7 @@ def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Ga
         byte_clocks=-(-clock_hz * BITS_PER_BYTE // baud_hz),
         protocol=protocol,
         clock_hz=clock_hz,
-        engine=link.engine or "fast",
+        engine=engine,
     )
 
 
