@@ -39,7 +39,7 @@ def mistakes(line: str) -> list[tuple[str, str, str | None]]:
         ("pwm(channels={})", None, 64),
         ("h_bridge(form={})", 0, 2),
         ("spi_device(failures_most={})", 1, 15),
-        ("quadrature_encoder(stable_clocks={})", 1, None),
+        ("quadrature_encoder(filter_ns={})", 0, 2000),
     ],
 )
 def test_a_number_beyond_the_limits_of_the_vhdl_is_named(
