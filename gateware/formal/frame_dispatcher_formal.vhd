@@ -39,6 +39,8 @@ architecture properties of frame_dispatcher_formal is
   signal post    : std_ulogic;         -- the frame is a post, which needs no room
   signal line_overran : std_ulogic := '0';
   signal reports      : std_ulogic;    -- what begins is the overrun of the line
+  signal counts       : std_ulogic;    -- what begins is an overrun of a publish
+  signal overruns     : natural range 0 to 15 := 0;  -- of publishes, not yet counted
 
 begin
 
@@ -56,6 +58,7 @@ begin
   post   <= '1' when unsigned(frame_entry) = 4 or unsigned(frame_entry) = 6 else '0';
 
   reports <= '1' when kind_before = entry_receive_overrun else '0';
+  counts  <= '1' when kind_before = entry_publish_overrun and begins = '1' else '0';
 
   watch : process (clk) is
   begin
@@ -64,7 +67,13 @@ begin
       kind_before  <= kind;
       wants_before <= wants;
       line_overran <= receive_overrun or (line_overran and not (begins and reports));
+      if publish_overrun = '1' and counts = '0' and overruns /= 15 then
+        overruns <= overruns + 1;
+      elsif publish_overrun = '0' and counts = '1' and overruns /= 0 then
+        overruns <= overruns - 1;
+      end if;
       if reset = '1' then
+        overruns     <= 0;
         line_overran <= '0';
       end if;
     end if;
@@ -98,6 +107,13 @@ begin
   -- An overrun is kept until it is reported.
   overrun_waits : assert always begun = '1' and line_overran = '1' -> wants = '1' and
                   (kind = entry_receive_overrun or kind = entry_half_turn);
+
+  -- An overrun of a publish is counted before any frame or publish begins, also if the next one comes meanwhile.
+  publish_overrun_waits : assert always begun = '1' and overruns /= 0 -> wants = '1' and
+                          (kind = entry_publish_overrun or kind = entry_receive_overrun or kind = entry_half_turn);
+
+  -- It is counted once.
+  publish_overrun_is_told : assert always begun = '1' and kind = entry_publish_overrun and wants = '1' -> overruns /= 0;
 
   -- Nothing begins without a cause.
   has_a_cause : assert always begun = '1' and wants = '1' and kind < entry_trip -> frame_valid = '1';

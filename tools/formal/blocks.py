@@ -179,6 +179,7 @@ BLOCKS = (
             ),
             Mutant("frame_dispatcher.vhd", "receive_overran <= receive_overrun;", "receive_overran <= '1';"),
             Mutant("frame_dispatcher.vhd", "asks and due and not begins", "asks and not begins"),
+            Mutant("frame_dispatcher.vhd", "elsif publish_overrun = '0' and begins", "elsif begins"),
         ),
     ),
     Block(
