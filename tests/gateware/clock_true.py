@@ -18,6 +18,7 @@ from unitylink import _native
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources
 from unitylink.interface.components import ComponentConfiguration
+from unitylink_lab.conformance.component_ports import component_ports
 
 Stimulus = tuple[int, str, int, int]
 Trace = list[tuple[int, str, int, int]]
@@ -164,27 +165,7 @@ def play_vhdl(
     end: int,
 ) -> Trace:
     """Return what the VHDL does. `make` makes a library of analysed VHDL in a folder."""
-    ports, width = "", {"in": 0, "out": 0}
-    for name, direction, bits in one.pins:
-        at = width[direction]
-        width[direction] += bits or 1
-        signal = "inputs" if direction == "in" else "outputs"
-        ports += f",\n      {name} => {signal}" + (f"({at + bits - 1} downto {at})" if bits else f"({at})")
-    for number, name in enumerate(one.events):
-        ports += f",\n      {name} => events({number})"
-    text = BENCH.format(
-        entity=one.entity,
-        generics=", ".join(
-            f'{name} => "{value}"' if isinstance(value, str) else f"{name} => {value}"
-            for name, value in one.generics
-        ),
-        ports=ports,
-        inputs=max(1, width["in"]) - 1,
-        outputs=max(1, width["out"]) - 1,
-        events=max(1, len(one.events)) - 1,
-        reset_clocks=RESET_CLOCKS,
-        end=end,
-    )
+    text = BENCH.format(**component_ports(one), reset_clocks=RESET_CLOCKS, end=end)
     (folder / "clock_true_tb.vhd").write_text(text, encoding="ascii")
     lines = [f"{at} {what} {number} {value >> 16} {value & 0xFFFF}" for at, what, number, value in stimuli]
     (folder / "stimuli.txt").write_text("\n".join(lines) + "\n", encoding="ascii")

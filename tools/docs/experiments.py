@@ -10,11 +10,11 @@ becomes docs/faults-beside-litex.json. That part of docs/faults.md is made from 
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
 
+from made_files import parser_of, write_or_compare
 from made_part import with_part
 from page_format import formatted
 
@@ -45,23 +45,12 @@ def faults_page() -> str:
 
 def main() -> int:
     """Write the files, or compare them."""
-    parser = argparse.ArgumentParser(description="Write docs/experiments.md from the committed results.")
-    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    parser = parser_of("Write docs/experiments.md from the committed results.")
     parser.add_argument("--from", dest="source", type=Path, help="results.json of a new run")
     options = parser.parse_args()
     if options.source:
         RESULTS.write_text(options.source.read_text(encoding="utf-8"), encoding="utf-8")
-    stale = [
-        path
-        for path, text in files().items()
-        if not path.is_file() or path.read_text(encoding="utf-8") != text
-    ]
-    for path in stale:
-        if options.check:
-            print(f"{path.relative_to(DOCS.parent)} is stale: run `make docs`", file=sys.stderr)
-        else:
-            path.write_text(files()[path], encoding="utf-8")
-    return int(options.check and bool(stale))
+    return write_or_compare(files(), check=options.check)
 
 
 if __name__ == "__main__":

@@ -8,12 +8,12 @@ components without a model in GHDL first. The same folders give the same bytes, 
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 from pathlib import Path
 
 from component_picture import component_picture
+from made_files import parser_of, write_or_compare
 from made_part import with_part
 from page_format import formatted
 from scene import scenes
@@ -60,23 +60,13 @@ def made() -> dict[Path, str]:
 
 def main() -> int:
     """Write the files, or compare them."""
-    parser = argparse.ArgumentParser(description="Make the gallery of the components.")
-    parser.add_argument(
-        "--check", action="store_true", help="exit code 1 where a file differs; writes nothing"
-    )
+    parser = parser_of("Make the gallery of the components.")
     parser.add_argument("--record", action="store_true", help="play components without a model in GHDL first")
     given = parser.parse_args()
     for scene in (one for folder in component_folders() for one in scenes(folder)):
         if given.record and scene.trace is not None:
             scene.trace.write_text(scene.trace_of_vhdl(), "ascii")
-    stale = []
-    for path, text in made().items():
-        if not path.is_file() or path.read_text("utf-8") != text:
-            stale.append(str(path.relative_to(ROOT)))
-            if not given.check:
-                path.write_text(text, "utf-8")
-    print(f"{'differ' if given.check else 'made'}: {', '.join(stale) or 'none'}")
-    return int(given.check and bool(stale))
+    return write_or_compare(made(), check=given.check)
 
 
 if __name__ == "__main__":

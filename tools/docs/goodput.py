@@ -6,12 +6,12 @@ It runs on a virtual clock, so the same sources give the same numbers. --check c
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from made_files import parser_of, write_or_compare
 from made_part import with_part
 from page_format import formatted
 
@@ -58,22 +58,9 @@ def table() -> str:
 
 def main() -> int:
     """Write the files, or compare them."""
-    parser = argparse.ArgumentParser(description="Draw what gets through a line that loses frames.")
-    parser.add_argument("--check", action="store_true", help="compare, write nothing")
-    options = parser.parse_args()
+    options = parser_of("Draw what gets through a line that loses frames.").parse_args()
     page = formatted(with_part(PAGE.read_text(encoding="utf-8"), "goodput.py", table()))
-    stale = [
-        (path, text)
-        for path, text in ((PICTURE, picture()), (PAGE, page))
-        if not path.is_file() or path.read_text(encoding="utf-8") != text
-    ]
-    for path, text in stale:
-        if options.check:
-            print(f"{path.name} is not what tools/docs/goodput.py makes: make docs")
-        else:
-            path.write_text(text, encoding="utf-8")
-            print(f"wrote {path.name}")
-    return 1 if options.check and stale else 0
+    return write_or_compare({PICTURE: picture(), PAGE: page}, check=options.check)
 
 
 if __name__ == "__main__":

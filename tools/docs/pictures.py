@@ -8,12 +8,12 @@ inputs give the same bytes, and --check compares.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+from made_files import parser_of, write_or_compare
 from picture import BOLD, CHECK, DEVICE, FAINT, GRID, INK, MONO, PC, PUBLISH, SMALL, Picture
 
 from unitylink import connect
@@ -182,23 +182,12 @@ PICTURES = {"architecture.svg": architecture, "message.svg": message, "publish.s
 
 def main() -> int:
     """Write the pictures, or compare them with the files."""
-    parser = argparse.ArgumentParser(description="Draw the pictures of the documents.")
-    parser.add_argument(
-        "--check", action="store_true", help="exit code 1 where one differs; nothing is written"
-    )
+    parser = parser_of("Draw the pictures of the documents.")
     parser.add_argument("--capture", action="store_true", help="record docs/images/publish.pcapng anew first")
     given = parser.parse_args()
     if given.capture:
         capture()
-    stale = []
-    for name, draw in PICTURES.items():
-        path, svg = IMAGES / name, draw()
-        if not path.is_file() or path.read_text("utf-8") != svg:
-            stale.append(name)
-            if not given.check:
-                path.write_text(svg, "utf-8")
-    print(f"{'differ' if given.check else 'drawn'}: {', '.join(stale) or 'none'}")
-    return int(given.check and bool(stale))
+    return write_or_compare({IMAGES / name: draw() for name, draw in PICTURES.items()}, check=given.check)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from pathlib import Path
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources
 from unitylink.interface.components import ComponentConfiguration
+from unitylink_lab.conformance.component_ports import component_ports
 
 Stimulus = tuple[int, str, int, int]
 RESET_CLOCKS = 8
@@ -143,14 +144,6 @@ def _run(command: list[str], folder: Path) -> None:
 
 
 def _bench(one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int) -> str:
-    ports, width = "", {"in": 0, "out": 0}
-    for name, direction, bits in one.pins:
-        at = width[direction]
-        width[direction] += bits or 1
-        signal = "inputs" if direction == "in" else "outputs"
-        ports += f",\n      {name} => {signal}" + (f"({at + bits - 1} downto {at})" if bits else f"({at})")
-    for number, name in enumerate(one.events):
-        ports += f",\n      {name} => events({number})"
     drives = "".join(
         f"    while now_at < {at} loop wait until falling_edge(clock); end loop;\n"
         f"    inputs({number}) <= '{level}';\n"
@@ -163,12 +156,7 @@ def _bench(one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int) -
         if what in "rw"
     )
     return BENCH.format(
-        entity=one.entity,
-        generics=", ".join(f"{name} => {value}" for name, value in one.generics),
-        ports=ports,
-        inputs=max(1, width["in"]) - 1,
-        outputs=max(1, width["out"]) - 1,
-        events=max(1, len(one.events)) - 1,
+        **component_ports(one),
         reset_clocks=RESET_CLOCKS,
         end=end,
         drives=drives,
