@@ -46,6 +46,7 @@ architecture properties of application_formal is
   signal left    : natural range 0 to 3 := 0;      -- data bytes not taken yet
   signal opened  : std_ulogic := '0';              -- the command has been taken
   signal had     : natural range 0 to 3 := 0;      -- data bytes of the request
+  signal beyond  : std_ulogic := '0';              -- a byte was taken that was missing
   signal waited  : natural range 0 to 2 := 0;      -- clocks of this access so far
 
   signal said      : std_ulogic;                   -- a word is sent
@@ -99,8 +100,10 @@ begin
         left            <= bytes;
         had             <= bytes;
         opened          <= '0';
+        beyond          <= '0';
       elsif take = '1' then
         opened       <= '1';
+        beyond       <= beyond or (opened and to_bit(left = 0));
         request.data <= data;
         if opened = '1' and left > 0 then
           left            <= left - 1;
@@ -164,6 +167,9 @@ begin
 
   -- The bus answers within two clocks.
   bus_answers : assume always bii.valid = '0' or response.done = '1' or waited < 2;
+
+  -- Behind the last byte at most one more is taken. The proof of request_buffer assumes this.
+  taken_once_more : assert always begun = '0' or take = '0' or request.error = '1' or beyond = '0';
 
   -- A reply has one head, then its other words, then one tail.
   head_first : assert always begun = '0' or said = '0' or (kind = word_head) = (talking = '0');

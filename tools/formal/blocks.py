@@ -59,6 +59,59 @@ BLOCKS = (
         ),
     ),
     Block(
+        "decoder",
+        "`datalink/decoder`",
+        depth=6,
+        pdr=True,
+        mutants=(
+            Mutant("decoder.vhd", "place >= 1 and place <= 26", "place >= 1 and place <= 27"),
+            Mutant("decoder.vhd", "if place <= 6 then", "if place <= 7 then"),
+            Mutant("decoder.vhd", "not full or character_ready;", "not full;"),
+            Mutant("decoder.vhd", "if full = '0' or character_ready = '1' then", "if true then"),
+        ),
+    ),
+    Block(
+        "transmitter",
+        "`datalink/transmitter`, CRC-8",
+        depth=8,
+        deep=14,
+        pdr=True,
+        not_proven="`digits` false; other checksums",
+        mutants=(
+            Mutant("transmitter.vhd", "              if place = 0 then", "              if true then"),
+            Mutant("transmitter.vhd", "              if place = 2 then", "              if place = 1 then"),
+            Mutant("transmitter.vhd", "if unsigned(value) < 10 then", "if unsigned(value) < 9 then"),
+            Mutant("transmitter.vhd", "word_ready <= free and last;", "word_ready <= last;"),
+            Mutant(
+                "transmitter.vhd", "tx_last <= several and closes and last;", "tx_last <= several and last;"
+            ),
+            Mutant("transmitter.vhd", "              sum <= crc8_initial_c;", "              null;"),
+        ),
+    ),
+    Block(
+        "request_buffer",
+        "`application/request_buffer`, messages of fewer than 7 entries, without publishing",
+        depth=6,
+        deep=14,
+        reach=25,
+        pdr=True,
+        not_proven="longer messages, and the commands of publishing: the bench spells them all",
+        mutants=(
+            Mutant("request_buffer.vhd", "room   <= free;", "room   <= '1';"),
+            Mutant("request_buffer.vhd", "if read_index + 1 = ending then", "if read_index = ending then"),
+            Mutant(
+                "request_buffer.vhd", "half_next <= read_half xor request_done;", "half_next <= read_half;"
+            ),
+            Mutant("request_buffer.vhd", "        checked <= receive.checked;\n", ""),
+            Mutant(
+                "request_buffer.vhd",
+                "if request_done = '1' or rewind = '1' or reset = '1' then",
+                "if request_done = '1' or reset = '1' then",
+            ),
+            Mutant("command_pkg.vhd", "receive.event = colon then", "false then"),
+        ),
+    ),
+    Block(
         "application",
         "`application/application`, 8-bit address and data, read-many of 2 words, no publishing",
         depth=6,

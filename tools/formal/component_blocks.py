@@ -23,6 +23,36 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "pwm",
+        "`components/pwm`, one channel, a period of 16 clocks",
+        depth=8,
+        deep=50,
+        reach=70,
+        pdr=True,
+        seen={
+            "step": "dut.step",
+            "product": "dut.product",
+            "word": "dut.word",
+            "turning": "dut.turning",
+        },
+        not_proven="servos; several channels; longer periods; a master that gives an access up",
+        mutants=(
+            Mutant("pwm.vhd", "product <= (others => '1');", "product <= (others => '0');"),
+            Mutant(
+                "pwm.vhd",
+                "left    <= to_unsigned(period - 1, left'length);",
+                "left    <= to_unsigned(period - 2, left'length);",
+            ),
+            Mutant(
+                "pwm.vhd",
+                "if (writes or late) = '1' and reads = '0' then",
+                "if writes = '1' and reads = '0' then",
+            ),
+            Mutant("pwm.vhd", "if counting = '0' or (tick", "if (tick"),
+            Mutant("pwm.vhd", "word(word'high) = '1' and bit_number", "false and bit_number"),
+        ),
+    ),
+    Block(
         "h_bridge",
         "`components/h_bridge`, four gates, 16 clocks a period, a dead time of at least 3 clocks",
         depth=10,
