@@ -237,7 +237,7 @@ def vhdl_text(settings: Settings) -> str:
         "-- What a core is built with (docs/settings.md).",
         f"-- {NOTE}",
         "--",
-        "--   core : entity work.core",
+        "--   core : entity unitylink.core",
         "--     generic map (settings => core_settings(clock_hz => 12_000_000, groups => 4))",
         "library ieee;",
         "  use ieee.std_logic_1164.all;",

@@ -10,7 +10,8 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.hello_led_user_pkg.all;
+library unitylink;
+use work.hello_led_user_pkg.all;
 
 entity hello_led_board is
   generic (
@@ -46,7 +47,7 @@ begin
       clock => clock, reset => reset, rx_line => usb_rx, tx_line => usb_tx, user_reset => user_reset,
       to_pc => to_pc, from_pc => from_pc);
 
-  debounced : entity work.input_filter
+  debounced : entity unitylink.input_filter
     generic map (width => buttons'length, stable_clocks => clocks_a_ms)
     port map (clock => clock, reset => user_reset, pins => buttons, levels => levels);
 

@@ -8,8 +8,9 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.address_map_pkg.all;
-  use work.wishbone_pkg.all;
+library unitylink;
+  use unitylink.address_map_pkg.all;
+  use unitylink.wishbone_pkg.all;
 
 entity litex_registers is
   port (
@@ -53,19 +54,19 @@ begin
   ack        <= master_s2m.ack;
   err        <= master_s2m.err;
 
-  decode : entity work.wishbone_interconnect
+  decode : entity unitylink.wishbone_interconnect
     generic map (address_map => address_map)
     port map (
       master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
 
   slaves_s2m <= (gpio_s2m, irq_s2m);
 
-  pins : entity work.gpio
+  pins : entity unitylink.gpio
     port map (
       clock => clock, reset => reset, wishbone_m2s => slaves_m2s(0), wishbone_s2m => gpio_s2m, changed => events(0),
       pin_in => pin_in, pin_out => pin_out, pin_drive => pin_drive);
 
-  interrupts : entity work.interrupt_slave
+  interrupts : entity unitylink.interrupt_slave
     generic map (lines => 1)
     port map (
       clock => clock, reset => reset, wishbone_m2s => slaves_m2s(1), wishbone_s2m => irq_s2m, events => events,

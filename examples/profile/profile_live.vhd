@@ -7,8 +7,9 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.physical_pkg.all;
-  use work.profile_user_pkg.all;
+library unitylink;
+  use unitylink.physical_pkg.all;
+use work.profile_user_pkg.all;
 
 entity profile_live is
   generic (

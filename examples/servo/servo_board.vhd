@@ -9,8 +9,9 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.servo_config_pkg;
-  use work.servo_user_pkg.all;
+library unitylink;
+use work.servo_config_pkg;
+use work.servo_user_pkg.all;
 
 entity servo_board is
   generic (
@@ -55,7 +56,7 @@ begin
 
   pressed <= not limit_switch;
 
-  debounced : entity work.input_filter
+  debounced : entity unitylink.input_filter
     generic map (stable_clocks => clocks_a_ms)
     port map (clock => clock, reset => user_reset, pins(0) => pressed, levels(0) => closed);
 

@@ -2,7 +2,7 @@
 -- What a core is built with (docs/settings.md).
 -- Generated from protocol/protocol.toml by protocol/generate.py; edit there.
 --
---   core : entity work.core
+--   core : entity unitylink.core
 --     generic map (settings => core_settings(clock_hz => 12_000_000, groups => 4))
 library ieee;
   use ieee.std_logic_1164.all;

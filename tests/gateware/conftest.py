@@ -30,10 +30,20 @@ COUNT_LINES = ["-fprofile-arcs", "-ftest-coverage", "-Wl,-lgcov", "-Wl,--coverag
 
 
 class Ghdl:
-    """Run benches of one library of analysed VHDL, at --std=08."""
+    """Run benches of analysed VHDL, at --std=08.
+
+    `sources` are the library `work`. If there are `own` ones, those are, and `sources` are the library
+    `unitylink`.
+    """
 
     def __init__(
-        self, work: Path, sources: Sequence[Path], *, count_lines: bool = False, strict: bool = False
+        self,
+        work: Path,
+        sources: Sequence[Path],
+        own: Sequence[Path] = (),
+        *,
+        count_lines: bool = False,
+        strict: bool = False,
     ) -> None:
         name = "ghdl-gcc" if count_lines else "ghdl"
         executable = shutil.which(name)
@@ -46,7 +56,9 @@ class Ghdl:
         # without a strobe. So in netlists and generated designs, a warning of numeric_std means nothing.
         self.strict = strict
         self.make = ["-m", "--std=08", "-Wno-hide", *(COUNT_LINES if count_lines else [])]
-        self._call("-i", "--std=08", *map(str, sources))
+        self._call("-i", "--std=08", *(["--work=unitylink"] if own else []), *map(str, sources))
+        if own:
+            self._call("-i", "--std=08", *map(str, own))
 
     def run(self, bench: str, *options: str, **generics: int | str | bool) -> str:
         """Elaborate and run `bench`, and return its output.
@@ -132,11 +144,11 @@ class Designs:
     def library(
         self, spec: Spec, configuration: BoardConfiguration | None = None, others: Sequence[Path] = ()
     ) -> Ghdl:
-        """Return a library of the design, all of the gateware, and `others`."""
+        """Return the design and `others`, with all of the gateware."""
         for name, text in generate_vhdl(spec, configuration).items():
             (self.folder / name).parent.mkdir(exist_ok=True)
             (self.folder / name).write_text(text, encoding="utf-8")
-        return self.make(self.folder, [*every_source(), *sorted(self.folder.glob("vhdl/*.vhd")), *others])
+        return self.make(self.folder, every_source(), [*sorted(self.folder.glob("vhdl/*.vhd")), *others])
 
     def play(
         self, spec: Spec, bench: str, steps: Sequence[str | int], others: Sequence[Path] = ()

@@ -60,8 +60,9 @@ def test_words_narrower_than_a_rate_do_without_publishing(tmp_path: Path) -> Non
         """
         library ieee;
           use ieee.std_logic_1164.all;
-          use work.bii_pkg.all;
-          use work.settings_pkg.all;
+        library unitylink;
+          use unitylink.bii_pkg.all;
+          use unitylink.settings_pkg.all;
         entity narrow is
           port (
             clock, reset, rx_valid, tx_ready : in std_ulogic;
@@ -71,7 +72,7 @@ def test_words_narrower_than_a_rate_do_without_publishing(tmp_path: Path) -> Non
         end entity;
         architecture rtl of narrow is
         begin
-          core_bii : entity work.core_bii
+          core_bii : entity unitylink.core_bii
             generic map (settings => core_settings(data_bits => 8, publish_mode => 0))
             port map (
               clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => open, rx_data => rx_data,

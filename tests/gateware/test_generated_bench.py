@@ -81,9 +81,10 @@ def test_the_bench_of_the_page(tmp_path: Path) -> None:
 PUBLISHES = """library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.host_pkg.all;
-  use work.wide_host_pkg.all;
-  use work.wide_user_pkg.all;
+library unitylink;
+  use unitylink.host_pkg.all;
+use work.wide_host_pkg.all;
+use work.wide_user_pkg.all;
 
 entity publishes is
 end entity;
@@ -98,7 +99,7 @@ architecture bench of publishes is
   signal to_pc   : wide_to_pc_t;
 begin
   clock <= not clock after 0.5 sec / 24_000_000 when not done;
-  pc : entity work.uart_host
+  pc : entity unitylink.uart_host
     generic map (baud_hz => 3_000_000)
     port map (
       rx_line => from_board, tx_line => to_board, request => request, reply => reply, publish => publish);

@@ -17,9 +17,9 @@ BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)
 FILE_NAME = re.compile(r"(?:--|#|//) (\w+\.\w+)")  # the name in the first line of a file
 
 
-# The commands after the fifth one compile the VHDL and place it on a chip. That takes two minutes, and other
+# The commands after the sixth one compile the VHDL and place it on a chip. That takes two minutes, and other
 # tests do it too.
-@pytest.mark.parametrize("commands", [5, pytest.param(7, marks=pytest.mark.long)])
+@pytest.mark.parametrize("commands", [6, pytest.param(8, marks=pytest.mark.long)])
 def test_own_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, commands: int) -> None:
     (tmp_path / "unity-link").symlink_to(ROOT)
     folder = tmp_path / "mover"
@@ -44,4 +44,4 @@ def test_own_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, commands: int
             assert all(line in output for line in shown.splitlines()), f"{command}\n{output[-3000:]}"
             typed += 1
     assert typed == commands
-    assert commands < 7 or list(folder.glob("build/*/mover-icebreaker.bin"))
+    assert commands < 8 or list(folder.glob("build/*/mover-icebreaker.bin"))

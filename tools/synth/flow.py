@@ -47,8 +47,9 @@ SIZED = "sized_core"
 SIZED_CORE = """
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.settings_pkg.all;
-  use work.wishbone_pkg.all;
+library unitylink;
+  use unitylink.settings_pkg.all;
+  use unitylink.wishbone_pkg.all;
 
 package sized_core_pkg is
   constant settings : settings_t := {settings};
@@ -56,9 +57,10 @@ end package;
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.engine_pkg.all;
-  use work.sized_core_pkg.all;
-  use work.wishbone_pkg.all;
+library unitylink;
+  use unitylink.engine_pkg.all;
+  use unitylink.wishbone_pkg.all;
+use work.sized_core_pkg.all;
 
 entity sized_core is
   port (
@@ -81,7 +83,7 @@ end entity;
 
 architecture rtl of sized_core is
 begin
-  core : entity work.core
+  core : entity unitylink.core
     generic map (settings => settings, engine => engine_{engine})
     port map (
       clock => clock, reset => reset,

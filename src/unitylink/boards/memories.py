@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from unitylink.gateware import LIBRARY
+
 # Bits and words of an iCE40's block RAM are from Lattice, "Memory Usage Guide for iCE40 Devices". The number
 # in each chip is from "iCE40 LP/HX Family Data Sheet" and "iCE40 UltraPlus Family Data Sheet".
 _SHAPES = ((16, 256), (8, 512), (4, 1024), (2, 2048))
@@ -20,6 +22,7 @@ _ARRAY = re.compile(r"^\s*reg \[(\d+):0\] (\w+)\s*\[(\d+):0\]", re.MULTILINE)
 _READ_AT_ONCE = re.compile(r"^\s*assign (\w+) = (\w+)\[\w+\];", re.MULTILINE)
 _WRITTEN = re.compile(r"^\s*(\w+)\[\w+\] <= ", re.MULTILINE)
 _GENERICS = re.compile(r"(_\d+)*(_[0-9a-f]{40})?$")  # GHDL appends this to the name of an entity
+_OURS = re.compile(rf"^{LIBRARY}_")  # a netlist has no libraries
 _INSTANCE = re.compile(r"^\s+(\w+) \w+ \($", re.MULTILINE)
 
 
@@ -39,7 +42,7 @@ class Memory:
 
     def __str__(self) -> str:
         times = f"{self.count} times " if self.count > 1 else ""
-        entity = _GENERICS.sub("", self.module)
+        entity = _OURS.sub(f"{LIBRARY}.", _GENERICS.sub("", self.module))
         return f"{self.block_rams} in {entity}: {times}{self.words:,} words of {self.bits} bits"
 
 

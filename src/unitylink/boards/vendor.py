@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from unitylink.errors import BoardError
-from unitylink.gateware import Port, gateware_folder, gateware_sources, netlist, ports_of
+from unitylink.gateware import LIBRARY, Port, gateware_folder, gateware_sources, netlist, ports_of
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.quoting import Tcl
 from unitylink.interface.board_configuration import BoardConfiguration, told_physical
@@ -51,7 +51,7 @@ class Project:
     clock_hz: int
     baud_hz: int
     generics: Mapping[str, int]
-    sources: tuple[Path, ...]  # VHDL
+    sources: tuple[tuple[str, Path], ...]  # VHDL, each file with its library
     verilog: tuple[Path, ...]  # the top level, if pins go both ways
     pins: Mapping[str, str]  # bit of a port -> site, or "" if the user has to fill it in
     ports: tuple[Port, ...]  # ports of the top level
@@ -105,7 +105,10 @@ def write_project(order: VendorOrder) -> list[Path]:
         clock_hz,
         baud_hz,
         {} if verilog else generics,
-        tuple(path.resolve() for path in (*gateware_sources(), *own)),
+        (
+            *((LIBRARY, path.resolve()) for path in gateware_sources()),
+            *(("work", path.resolve()) for path in own),
+        ),
         tuple(verilog),
         _sites(pins, order.pins),
         pins,
@@ -139,7 +142,10 @@ def _vivado(project: Project) -> dict[str, str]:
             "# vivado -mode batch -source {}.tcl: makes the project and builds {}.bit.", project.name, top
         ),
         Tcl.of("create_project -force {} vivado -part {}", project.name, part),
-        *(Tcl.of("read_vhdl -vhdl2008 {}", Tcl.text(str(path))) for path in project.sources),
+        *(
+            Tcl.of("read_vhdl -vhdl2008 -library {} {}", library, Tcl.text(str(path)))
+            for library, path in project.sources
+        ),
         *(Tcl.of("read_verilog {}", Tcl.text(str(path))) for path in project.verilog),
         Tcl.of("read_xdc {}.xdc", project.name),
         Tcl.of("set_property top {} [current_fileset]", top),
@@ -179,8 +185,8 @@ def _quartus(project: Project) -> dict[str, str]:
         Tcl.of("set_global_assignment -name TOP_LEVEL_ENTITY {}", project.top),
         Tcl("set_global_assignment -name VHDL_INPUT_VERSION VHDL_2008"),
         *(
-            Tcl.of("set_global_assignment -name VHDL_FILE {}", Tcl.text(str(path)))
-            for path in project.sources
+            Tcl.of("set_global_assignment -name VHDL_FILE {} -library {}", Tcl.text(str(path)), library)
+            for library, path in project.sources
         ),
         *(
             Tcl.of("set_global_assignment -name VERILOG_FILE {}", Tcl.text(str(path)))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from .ghdl import Ghdl
+from .library import LIBRARY, DesignGhdl
 from .netlist import netlist
 from .ports import Port, ports_of
 from .programs import find_program, map_cells, run_tool
@@ -17,6 +18,8 @@ from .sources import (
 )
 
 __all__ = [
+    "LIBRARY",
+    "DesignGhdl",
     "Ghdl",
     "Port",
     "bench_sources",

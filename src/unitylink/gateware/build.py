@@ -14,7 +14,7 @@ from pathlib import Path
 
 from unitylink.errors import ToolError
 
-from .ghdl import Ghdl
+from .library import DesignGhdl
 from .netlist import netlist
 from .programs import map_cells
 from .sources import gateware_sources, simulation_sources
@@ -32,9 +32,9 @@ def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[
     reads. Raises ToolError.
     """
     if target in ("check", "test"):
-        every = [*gateware_sources(), *simulation_sources(), *(path.resolve() for path in sources)]
+        gateware = [*gateware_sources(), *simulation_sources()]
         with tempfile.TemporaryDirectory(prefix="unitylink-build-") as work:
-            ghdl = Ghdl(Path(work), every)
+            ghdl = DesignGhdl(Path(work), gateware, [path.resolve() for path in sources])
             if target == "check":
                 ghdl.make(top)
             else:

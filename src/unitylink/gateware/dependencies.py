@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 _COMMENT = re.compile(r'("[^"\n]*")|--[^\n]*')
+_ENTITY = re.compile(r"\bentity\s+(\w+)\s+is\b")
 _UNIT = re.compile(r"\b(?:entity|package)\s+(\w+)\s+is\b")
 
 
@@ -19,7 +20,7 @@ def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
     >>> [path.name for path in needed_sources("fifo", gateware_sources())]
     ['fifo.vhd', 'width_pkg.vhd']
     """
-    units = {name: path for path in sources for name in _UNIT.findall(plain_text(path))}
+    units = units_of(sources)
     wanted, found = [top], set()
     while wanted:
         path = units.get(wanted.pop())
@@ -27,6 +28,16 @@ def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
             found.add(path)
             wanted += re.findall(r"\bwork\.(\w+)", plain_text(path))
     return sorted(found, key=lambda path: path.name)
+
+
+def units_of(sources: Iterable[Path]) -> dict[str, Path]:
+    """Return the entities and packages of `sources`, each with its file."""
+    return {name: path for path in sources for name in _UNIT.findall(plain_text(path))}
+
+
+def entities_of(sources: Iterable[Path]) -> set[str]:
+    """Return the names of the entities of `sources`."""
+    return {name for path in sources for name in _ENTITY.findall(plain_text(path))}
 
 
 @cache

@@ -7,11 +7,12 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
-use work.engine_pkg.all;
-use work.frame_layout_pkg.all;
-use work.register_pkg.all;
-use work.settings_pkg.all;
-use work.wishbone_pkg.all;
+library unitylink;
+  use unitylink.engine_pkg.all;
+  use unitylink.frame_layout_pkg.all;
+  use unitylink.register_pkg.all;
+  use unitylink.settings_pkg.all;
+  use unitylink.wishbone_pkg.all;
 
 entity core_pins is
   generic (
@@ -81,7 +82,7 @@ begin
     wishbone_s2m.err <= refused;
   end process;
 
-  core : entity work.core
+  core : entity unitylink.core
     generic map (
       settings => core_settings(
         address_bits => address_bits, data_bits => data_bits, clock_hz => clock_hz, base_hz => base_hz,

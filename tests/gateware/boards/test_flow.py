@@ -92,7 +92,8 @@ def test_too_few_block_rams_are_reported_before_anything_is_mapped(order: Order)
     wanted = replace(order, spec_file=spec_file, board=load_board("icebreaker"), protocol="both")
     message = (
         r"does not fit on iCEBreaker .*: it takes \d+ block RAMs and the chip has 30\n"
-        r"  10 in frame_sequencer: 512 words of 80 bits\n(.*\n)+What would help.*\n  --protocol classic"
+        r"  10 in unitylink.frame_sequencer: 512 words of 80 bits\n(.*\n)+"
+        r"What would help.*\n  --protocol classic"
     )
     with pytest.raises(BoardError, match=message):
         build_bitstream(wanted)

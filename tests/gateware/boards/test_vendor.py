@@ -35,9 +35,11 @@ def order(folder: Path, vendor: str, *more: str) -> list[str]:
 def test_vivado(tmp_path: Path) -> None:
     assert main(order(tmp_path, "vivado", "--pin", "servos[1]=D4", "--pin", "clock=E3")) == 0
     script = (tmp_path / "servo.tcl").read_text()
-    sources = re.findall(r"read_vhdl -vhdl2008 \{(.*)\}", script)
-    assert all(Path(path).is_file() for path in sources)
-    assert {"core.vhd", "servo_top.vhd", "servo_board.vhd"} <= {Path(path).name for path in sources}
+    sources = re.findall(r"read_vhdl -vhdl2008 -library (\w+) \{(.*)\}", script)
+    libraries = {Path(path).name: library for library, path in sources if Path(path).is_file()}
+    assert len(libraries) == len(sources) == script.count("read_vhdl")
+    assert libraries["core.vhd"] == "unitylink"
+    assert libraries["servo_top.vhd"] == libraries["servo_board.vhd"] == "work"
     assert "-generic {baud_hz=1000000 clock_hz=100000000}" in script
     constraints = (tmp_path / "servo.xdc").read_text()
     assert "create_clock -name clock -period 10.000" in constraints
@@ -48,7 +50,10 @@ def test_vivado(tmp_path: Path) -> None:
 def test_quartus(tmp_path: Path) -> None:
     assert main(order(tmp_path, "quartus", "--pin", "lamp=L3")) == 0
     script = (tmp_path / "servo.tcl").read_text()
-    assert all(Path(path).is_file() for path in re.findall(r"VHDL_FILE \{(.*)\}", script))
+    sources = re.findall(r"VHDL_FILE \{(.*)\} -library (\w+)", script)
+    libraries = {Path(path).name: library for path, library in sources if Path(path).is_file()}
+    assert len(libraries) == len(sources) == script.count("-name VHDL_FILE")
+    assert (libraries["core.vhd"], libraries["servo_top.vhd"]) == ("unitylink", "work")
     assert "set_location_assignment PIN_L3 -to {lamp}" in script
     assert "# set_location_assignment PIN_SITE -to {servos[0]}" in script
     assert "-period 10.000" in (tmp_path / "servo.sdc").read_text()

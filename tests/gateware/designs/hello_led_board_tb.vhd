@@ -4,7 +4,8 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.bench_pkg.all;
+library unitylink;
+  use unitylink.bench_pkg.all;
 
 entity hello_led_board_tb is
   generic (
@@ -33,7 +34,7 @@ begin
     generic map (clock_hz => clock_hz, baud_hz => baud_hz)
     port map (clock => clock, reset => reset, usb_rx => to_board, usb_tx => to_host, buttons => "1001", leds => leds);
 
-  pc : entity work.uart_player
+  pc : entity unitylink.uart_player
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, steps_file => steps_file, answers_file => answers_file)
     port map (clock => clock, reset => reset, rx_line => to_host, tx_line => to_board, done => done);
 

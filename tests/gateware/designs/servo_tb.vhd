@@ -6,7 +6,8 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.bench_pkg.all;
+library unitylink;
+  use unitylink.bench_pkg.all;
 
 entity servo_tb is
   generic (
@@ -50,7 +51,7 @@ begin
     end loop;
   end process;
 
-  pc : entity work.uart_player
+  pc : entity unitylink.uart_player
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, steps_file => steps_file, answers_file => answers_file)
     port map (clock => clock, reset => reset, rx_line => to_host, tx_line => to_board, done => done);
 

@@ -5,9 +5,10 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.bench_pkg.all;
-  use work.typed_config_pkg;
-  use work.typed_user_pkg.all;
+library unitylink;
+  use unitylink.bench_pkg.all;
+use work.typed_config_pkg;
+use work.typed_user_pkg.all;
 
 entity typed_tb is
   generic (
@@ -75,7 +76,7 @@ begin
     end if;
   end process;
 
-  pc : entity work.uart_player
+  pc : entity unitylink.uart_player
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, steps_file => steps_file, answers_file => answers_file)
     port map (clock => clock, reset => user_reset, rx_line => to_host, tx_line => to_board, done => done);
 

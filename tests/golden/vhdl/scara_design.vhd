@@ -20,12 +20,13 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.address_map_pkg.all;
-  use work.physical_pkg.all;
-  use work.register_pkg.all;
-  use work.tosnet_pkg.all;
-  use work.wishbone_pkg.all;
-  use work.scara_config_pkg;
+library unitylink;
+  use unitylink.address_map_pkg.all;
+  use unitylink.physical_pkg.all;
+  use unitylink.register_pkg.all;
+  use unitylink.tosnet_pkg.all;
+  use unitylink.wishbone_pkg.all;
+use work.scara_config_pkg;
 
 entity scara_design is
   generic (
@@ -66,10 +67,10 @@ architecture generated of scara_design is
 
 begin
 
-  core : entity work.core
+  core : entity unitylink.core
     generic map (
-      settings    => work.settings_pkg.at_clock(scara_config_pkg.settings, clock_hz),
-      engine      => work.engine_pkg.engine_fast,
+      settings    => unitylink.settings_pkg.at_clock(scara_config_pkg.settings, clock_hz),
+      engine      => unitylink.engine_pkg.engine_fast,
       safe_values => scara_config_pkg.safe_values)
     port map (
       clock => clock, reset => reset,
@@ -80,7 +81,7 @@ begin
 
   lines(3 downto 0) <= events(3 downto 0);
 
-  interconnect : entity work.wishbone_interconnect
+  interconnect : entity unitylink.wishbone_interconnect
     generic map (address_map => address_map)
     port map (
       master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
@@ -93,7 +94,7 @@ begin
 
   begin
 
-    slave : entity work.tosnet_slave
+    slave : entity unitylink.tosnet_slave
       generic map (
         master_id        => 1,
         master_registers => x"FF",

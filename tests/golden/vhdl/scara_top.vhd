@@ -26,8 +26,9 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use work.physical_pkg.all;
-  use work.scara_user_pkg.all;
+library unitylink;
+  use unitylink.physical_pkg.all;
+use work.scara_user_pkg.all;
 
 entity scara_top is
   generic (
@@ -65,10 +66,10 @@ architecture generated of scara_top is
 
 begin
 
-  reset_synchroniser : entity work.reset_synchroniser
+  reset_synchroniser : entity unitylink.reset_synchroniser
     port map (clock => clock, asynchronous_reset => reset, reset => synchronous_reset);
 
-  uart : entity work.uart
+  uart : entity unitylink.uart
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, rx_depth => fifo_bytes, tx_depth => fifo_bytes)
     port map (
       clock => clock, reset => synchronous_reset,

@@ -7,8 +7,9 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.frame_layout_pkg.all;
-  use work.settings_pkg.all;
+library unitylink;
+  use unitylink.frame_layout_pkg.all;
+  use unitylink.settings_pkg.all;
 
 package servo_config_pkg is
 

@@ -20,11 +20,12 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
-  use work.address_map_pkg.all;
-  use work.physical_pkg.all;
-  use work.register_pkg.all;
-  use work.wishbone_pkg.all;
-  use work.servo_config_pkg;
+library unitylink;
+  use unitylink.address_map_pkg.all;
+  use unitylink.physical_pkg.all;
+  use unitylink.register_pkg.all;
+  use unitylink.wishbone_pkg.all;
+use work.servo_config_pkg;
 
 entity servo_design is
   generic (
@@ -71,10 +72,10 @@ architecture generated of servo_design is
 
 begin
 
-  core : entity work.core
+  core : entity unitylink.core
     generic map (
-      settings    => work.settings_pkg.at_clock(servo_config_pkg.settings, clock_hz),
-      engine      => work.engine_pkg.engine_fast,
+      settings    => unitylink.settings_pkg.at_clock(servo_config_pkg.settings, clock_hz),
+      engine      => unitylink.engine_pkg.engine_fast,
       safe_values => servo_config_pkg.safe_values)
     port map (
       clock => clock, reset => reset,
@@ -85,7 +86,7 @@ begin
 
   lines(3 downto 0) <= events(3 downto 0);
 
-  interconnect : entity work.wishbone_interconnect
+  interconnect : entity unitylink.wishbone_interconnect
     generic map (address_map => address_map)
     port map (
       master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
@@ -102,7 +103,7 @@ begin
 
   begin
 
-    slave : entity work.register_slave
+    slave : entity unitylink.register_slave
       generic map (
         writable   => "001-",
         data_width => servo_config_pkg.settings.data_bits,
@@ -126,7 +127,7 @@ begin
   component_1 : block is
   begin
 
-    slave : entity work.pwm
+    slave : entity unitylink.pwm
       generic map (
         clock_hz => clock_hz,
         channels => 2,
@@ -146,7 +147,7 @@ begin
   component_2 : block is
   begin
 
-    slave : entity work.quadrature_encoder
+    slave : entity unitylink.quadrature_encoder
       generic map (
         clock_hz => clock_hz,
         filter_ns => 40,

@@ -87,6 +87,7 @@ def test_the_generated_script(blinker: Path, tmp_path: Path) -> None:
 
     assert run("check") == "lamp_top: no error\n"
     assert run("check", "blinker", str(blinker)) == "blinker: no error\n"
-    files = [Path(line) for line in run("files").splitlines()]
+    files = {Path(file): library for library, file in map(str.split, run("files").splitlines())}
     assert all(file.is_file() for file in files)
-    assert {"core.vhd", "lamp_top.vhd"} <= {file.name for file in files}
+    libraries = {file.name: library for file, library in files.items()}
+    assert libraries["core.vhd"] == "unitylink" and libraries["lamp_top.vhd"] == "work"

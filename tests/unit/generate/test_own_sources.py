@@ -50,7 +50,6 @@ def test_a_copy_of_each_file_is_made_once(folder: Path) -> None:
         (b"entity other is end;", "has no entity mover"),
         (b"-- entity mover is", "has no entity mover"),
         (b"entity mover is\nend;", "mover has no generic data_width"),
-        (GOOD.encode() + b"entity fifo is end;", "fifo is also a name of the gateware"),
         (GOOD.encode() + b"\xff", "the VHDL of mover cannot be read"),
         (b" " * BYTES_MOST + b"x", "more than 1,048,576 bytes"),
     ],

@@ -283,7 +283,7 @@ def test_the_command_makes_a_top_level_on_each_physical_layer(physical: str, tmp
     text = (tmp_path / "vhdl" / "servo_top.vhd").read_text(encoding="utf-8")
     name = "spi_slave" if physical == "spi" else physical
     entity = (ROOT / "gateware" / "physical" / f"{name}.vhd").read_text(encoding="utf-8")
-    instance = text.partition(f"  {name} : entity work.{name}\n")[2].partition(");")[0]
+    instance = text.partition(f"  {name} : entity unitylink.{name}\n")[2].partition(");")[0]
     ports = re.findall(r"^    (\w+) +: (?:in|out)", entity.partition("port (")[2], re.MULTILINE)
     assert [port for port in ports if f" {port} => " not in instance] == []
     assert CliRunner().invoke(command, [*made, "--check"]).exit_code == 0
@@ -301,7 +301,7 @@ def test_the_spec_tells_the_physical_layer(tmp_path: Path) -> None:
     numbers = (tmp_path / "vhdl" / "elbow_config_pkg.vhd").read_text(encoding="utf-8")
     assert "=> protocol_framed," in numbers  # no classic text goes over an RS-485 pair
     assert CliRunner().invoke(command, [*made, "--physical", "uart"]).exit_code == 0
-    assert "entity work.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
+    assert "entity unitylink.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
 
 
 def test_the_engine_of_the_design(tmp_path: Path) -> None:
@@ -313,7 +313,7 @@ def test_the_engine_of_the_design(tmp_path: Path) -> None:
     def text(part: str) -> str:
         return (tmp_path / "vhdl" / f"lamp_{part}.vhd").read_text(encoding="utf-8")
 
-    assert "engine      => work.engine_pkg.engine_small," in text("design")
+    assert "engine      => unitylink.engine_pkg.engine_small," in text("design")
     assert "=> protocol_framed," in text("config_pkg")
     assert "assert clock_hz / 43 >= baud_hz / 10\n" in text("top")
     assert CliRunner().invoke(command, [*made, "--physical", "ft245_async"]).exit_code == 0

@@ -6,9 +6,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from unitylink.errors import BindingError, ToolError
+from unitylink.errors import BindingError
 from unitylink.interface.components import placed_components
-from unitylink.resources import resource_folder
 from unitylink.spec.model import Component, Spec
 
 from .names import identifier
@@ -68,21 +67,8 @@ def _text(path: Path, component: Component) -> str:
                 f"{path}: {component.entity} has no generic data_width, the bits of the bus; "
                 "write `generic (data_width : positive := 32);`"
             )
-    _check_names(path, text)
     return _HEAD.format(file=identifier(path.stem) + path.suffix, entity=component.entity) + text
 
 
 def _has(text: str, entity: str) -> bool:
     return re.search(rf"^\s*entity\s+{entity}\s+is\b", text, re.IGNORECASE | re.MULTILINE) is not None
-
-
-def _check_names(path: Path, text: str) -> None:
-    """Raise BindingError if the file has a design unit of the gateware: one of the two would be lost."""
-    units = re.findall(r"^\s*(?:entity|package)\s+(\w+)\s+is\b", text, re.IGNORECASE | re.MULTILINE)
-    try:
-        folders = [resource_folder(name) for name in ("gateware", "components")]
-    except ToolError:  # an installation without them makes no netlist either
-        return
-    known = {source.stem.lower() for folder in folders for source in folder.rglob("*.vhd")}
-    if taken := [unit for unit in units if unit.lower() in known]:
-        raise BindingError(f"{path}: {taken[0]} is also a name of the gateware; give yours another one")

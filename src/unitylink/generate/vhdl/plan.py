@@ -106,11 +106,12 @@ class Port:
 
 @dataclass(frozen=True)
 class Placed:
-    """A component of the gateware library: an instance of its entity."""
+    """A component: an instance of its entity, of the gateware or of the user."""
 
     number: int  # number of the slave on the bus
     path: str
     span: str
+    library: str  # "unitylink", or "work" for VHDL of the user
     entity: str
     generics: tuple[tuple[str, Part], ...]
     pins: tuple[tuple[str, str], ...]  # (its port, the design's port)

@@ -13,6 +13,7 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
+library unitylink;
 
 entity ft245_chip is
   generic (
@@ -69,7 +70,7 @@ begin
   to_fpga_ready <= rd_n and not read_before; -- when the strobe is over
   put           <= write_before and not wr_n;
 
-  collect : entity work.fifo
+  collect : entity unitylink.fifo
     generic map (width => 8, depth => depth)
     port map (
       clock => clock, reset => reset,
