@@ -46,6 +46,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "plot": ("plot", "Draw items: a picture, or live in the terminal."),
     "record": ("record", "Record items to MCAP or CSV."),
     "bridge": ("bridge", "Put a robot on the topics of ROS 1 or ROS 2."),
+    "token": ("token", "Make a token for a user of a server."),
     "replay": ("replay", "Serve a recording as a device."),
     "discover": ("discover", "List the ports of this machine, and what answers on them."),
     "doctor": ("doctor", "Find what keeps you from a board, and the remedy."),

@@ -13,6 +13,8 @@
     │   ├── ProtocolError          the device answered something this protocol does not have
     │   ├── UnexpectedValue        the device holds a number that its type in the spec does not have
     │   ├── NetworkError           the network behind the gateware is down, halted, or dropped a commit
+    │   ├── AccessRefused          a server does not let this user do it: unknown token, or a scope is missing
+    │   ├── LeaseHeld              another user of a server has the write lease of this part of the robot
     │   ├── DeadManTripped         the device has made its outputs safe; nothing is written before arm()
     │   └── DeviceMismatch         the device cannot do what is asked (widths, groups, publishing)
     ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
@@ -138,6 +140,20 @@ class NetworkError(LinkError):
     """The real-time network behind the gateware is offline or halted, or it dropped a commit.
 
     The message says which.
+    """
+
+
+class AccessRefused(LinkError):
+    """The server does not know the token, or the token lacks a scope. The message names the scope.
+
+    Nothing was sent to the board.
+    """
+
+
+class LeaseHeld(LinkError):
+    """Another user has the write lease of this part of the robot, or its outputs are being made safe.
+
+    The message says who has it and for how long. Nothing was sent to the board.
     """
 
 

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One board, many users: who may do what. The server's data path is in `native/`."""

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The audit log: one line of JSON for each login, lease, write of a person, and refusal."""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Callable
+
+EVENTS = ("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "refused")
+
+
+class Audit:
+    """Writes lines to `put`, for example a file's `write`. Texts from outside cannot begin a line.
+
+    >>> Audit(print).line("login", 0.0, user="ana", where="127.0.0.1:4000")
+    {"time": "1970-01-01T00:00:00.000Z", "event": "login", "user": "ana", "where": "127.0.0.1:4000"}
+    """
+
+    def __init__(self, put: Callable[[str], object]) -> None:
+        self._put = put
+
+    def line(self, event: str, now_s: float, **facts: object) -> None:
+        """Write one event. `now_s` is in s since 1970. Facts that are None are left out."""
+        if event not in EVENTS:
+            raise ValueError(f"{event!r} is no event of the audit log: {', '.join(EVENTS)}")
+        moment = datetime.datetime.fromtimestamp(now_s, datetime.timezone.utc)
+        entry: dict[str, object] = {
+            "time": moment.strftime("%Y-%m-%dT%H:%M:%S.") + f"{moment.microsecond // 1000:03d}Z",
+            "event": event,
+            **{name: fact for name, fact in facts.items() if fact is not None},
+        }
+        self._put(json.dumps(entry, ensure_ascii=True, default=str))
