@@ -32,13 +32,13 @@ library ieee;
 
 entity pwm is
   generic (
-    clock_hz         : positive                := 50_000_000;
-    channels         : positive range 1 to 64  := 4;
-    frequency_hz     : positive                := 20_000;
-    servo            : natural range 0 to 1    := 0;
-    servo_minimum_us : positive                := 500;
-    servo_maximum_us : positive                := 2500;
-    data_width       : positive range 16 to 32 := 32
+    clock_hz         : positive                 := 50_000_000;
+    channels         : positive range 1 to 64   := 4;
+    frequency_hz     : positive                 := 20_000;
+    servo            : natural range 0 to 1     := 0;
+    servo_minimum_us : positive range 1 to 8191 := 500;
+    servo_maximum_us : positive range 1 to 8191 := 2500;
+    data_width       : positive range 16 to 32  := 32
   );
   port (
     clock        : in  std_ulogic;
@@ -131,8 +131,8 @@ architecture rtl of pwm is
 
 begin
 
-  assert servo = 0 or (servo_minimum_us <= servo_maximum_us and servo_maximum_us < 2 * whole)
-    report "pwm: servo_minimum_us must not exceed servo_maximum_us, nor that 8191 us"
+  assert servo = 0 or servo_minimum_us <= servo_maximum_us
+    report "pwm: servo_minimum_us must not exceed servo_maximum_us"
     severity failure;
   assert servo = 1 or period > (word_bits + 2) * channels
     report "pwm: " & integer'image(channels) & " channels need a period of more than " &

@@ -42,10 +42,11 @@ CASES = {
         ),
         Case("channels=1, frequency_hz=143750", {0: (0, 1, 1, 1), 2: (0, 1, 256, 257, 4096)}, start=4),
         Case(
-            "channels=2, servo=1, servo_minimum_us=1, servo_maximum_us=9",
+            "channels=2, minimum=1 us, maximum=9 us",
             {0: (0, 1, 1, 1, 1, 1, 1)} | dict.fromkeys((2, 3), (0, 1, 5, 9, 400)),
             pause=900,
             start=4,
+            device="rc_servo",
         ),
     ),
     "three_phase_pwm": (

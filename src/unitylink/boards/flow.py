@@ -14,6 +14,7 @@ from unitylink.errors import BoardError, ToolError
 from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_tool
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.components import check_clock
 from unitylink.spec.isochrony.budget import DeviceBudget, budget
 from unitylink.spec.isochrony.latency import BITS_PER_BYTE
 from unitylink.spec.model import Spec
@@ -77,6 +78,7 @@ def prepare(order: Order) -> Prepared:
     forget(folder, made)
     line = {"clock_hz": clock_hz, **({"baud_hz": baud_hz} if baud_hz else {})}
     configuration = board.configuration(spec, order.protocol, {**line, **order.settings})
+    check_clock(configuration.components, clock_hz)
     plan = SpecPlan(spec, configuration)
     write_files(planned_files(plan, ["vhdl"]), folder)
     budgets = tuple(budgets_of(spec, configuration, clock_hz, baud_hz))

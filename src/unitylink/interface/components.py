@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from unitylink.errors import ValueRangeError
 from unitylink.spec.model import Component, Instance, Spec
 
 
@@ -14,7 +15,7 @@ class ComponentConfiguration:
     """A component at `base`: its entity, its generics and its ports beside the bus.
 
     `pins` are (port, "in" | "out" | "inout", bits; 0 for a single signal). `event_groups` has, for each of
-    `events`, the publish group that it triggers, or None.
+    `events`, the publish group that it triggers, or None. `clock_least_hz` is the slowest clock that will do.
     """
 
     path: str
@@ -25,6 +26,7 @@ class ComponentConfiguration:
     pins: tuple[tuple[str, str, int], ...] = ()
     events: tuple[str, ...] = ()
     event_groups: tuple[int | None, ...] = ()
+    clock_least_hz: int = 0
 
     @property
     def addresses(self) -> range:
@@ -53,8 +55,18 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
             triggered = tuple(groups.get((root.name, f"{instance.path}.{event}")) for event in one.events)
             path = f"{root.name}.{instance.path}" if several else instance.path
             told = (path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
-            found.append(ComponentConfiguration(*told, one.events, triggered))
+            found.append(ComponentConfiguration(*told, one.events, triggered, one.clock_least_hz))
     return tuple(found)
+
+
+def check_clock(components: Iterable[ComponentConfiguration], clock_hz: int) -> None:
+    """Raise ValueRangeError for a component that needs a faster clock than that of the design."""
+    for one in components:
+        if clock_hz < one.clock_least_hz:
+            raise ValueRangeError(
+                f"component {one.path} ({one.entity}) needs a clock of at least {one.clock_least_hz:,} Hz, "
+                f"and the design has {clock_hz:,} Hz: choose a faster clock (clock_hz), or slower parameters"
+            )
 
 
 def placed_components(spec: Spec) -> Iterator[Component]:

@@ -14,6 +14,7 @@ from types import TracebackType
 from unitylink import _native
 from unitylink.errors import UnityLinkError, ValueRangeError
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.components import check_clock
 from unitylink.spec.model import Spec
 from unitylink.values import Codec, Quantity
 
@@ -82,6 +83,7 @@ class Board:
             configuration = BoardConfiguration.for_spec(spec) if spec is not None else BoardConfiguration()
         if plant is None and spec is not None:
             plant = RampPlant()
+        check_clock(configuration.components, configuration.clock_hz)
         self.configuration = configuration
         self.spec = spec
         self.plant = plant

@@ -159,7 +159,7 @@ class Component:
 
     `generics` are the values that the spec gives. `pins` and `events` are its ports beside the bus: (port,
     "in" | "out", bits; 0 for a single signal). `sources` are the VHDL files of an entity that is not of the
-    library.
+    library. `clock_least_hz` is the slowest clock of a design with it, 0 if any will do.
     """
 
     entity: str
@@ -169,6 +169,7 @@ class Component:
     pins: tuple[tuple[str, str, int], ...] = ()
     events: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
+    clock_least_hz: int = 0
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.errors import ValueRangeError
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.components import check_clock, components_of
+from unitylink.simulate import Board
 from unitylink.spec import compile_file, compile_text
 from unitylink.spec.meaning.vhdl_generics import limits_of
 
@@ -38,6 +42,8 @@ def mistakes(line: str) -> list[tuple[str, str, str | None]]:
         ("spi_device(sclk_hz={})", 1, 2**31 - 1),
         ("pwm(channels={})", None, 64),
         ("h_bridge(form={})", 0, 2),
+        ("rc_servo(minimum={} us, maximum=8191 us)", 1, None),
+        ("rc_servo(maximum={} us)", None, 8191),
         ("spi_device(failures_most={})", 1, 15),
         ("quadrature_encoder(filter_ns={})", 0, 2000),
     ],
@@ -73,6 +79,57 @@ def test_limits_are_those_of_the_own_vhdl(tmp_path: Path) -> None:
     assert [one.message for one in compile_file(spec).diagnostics] == ["generic `offset` of `stepper` is -4"]
     vhdl.write_text(VHDL.replace("-3 to 3", "-4 to 3"))
     assert list(compile_file(spec).diagnostics) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "value", "limit"),
+    [
+        (
+            "rc_servo(minimum=2 ms, maximum=1900 us)",
+            "`minimum` is 2 ms",
+            "at most 1900 us, which is `maximum`",
+        ),
+        ("rc_servo(minimum=3 ms)", "`minimum` is 3 ms", "at most 2500 us, which is `maximum`"),
+    ],
+)
+def test_a_parameter_beyond_another_one_is_named(line: str, value: str, limit: str) -> None:
+    (code, message, hint), *_ = mistakes(line)
+    assert (code, message) == ("UL049", value)
+    assert hint is not None and limit in hint
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "@limit()",
+        "@limit(turns)",
+        "@limit(least=1)",
+        "@limit(turns, 2, least=1)",
+        "@limit(turns, lest=1)",
+        "@limit(turns, least=1, least=2)",
+        "@limit(clock_hz, most=1)",
+    ],
+)
+def test_a_limit_that_says_nothing_is_a_mistake(text: str) -> None:
+    found = compile_text(f"""
+    public arm() {{ one: stepper(turns=3); }}
+    @component("stepper") {text}
+    stepper(turns: int): @base[1] {{ @x = base: READ(); }}
+    """).diagnostics
+    assert [one.code for one in found] == ["UL098"]
+
+
+def test_limits_are_whole_where_the_clock_is_known() -> None:
+    spec = compile_text("public a() { one: pwm(channels=3, frequency_hz=40000); }").spec
+    assert spec is not None
+    (one,) = components_of(spec, 1_820_000)
+    assert one.clock_least_hz == 1_820_000  # a period of 46 clocks, rounded, is more than 15 for each channel
+    check_clock([one], 1_820_000)
+    with pytest.raises(ValueRangeError, match=r"one \(pwm\) needs a clock of at least 1,820,000 Hz"):
+        check_clock([one], 1_819_999)
+    slow = BoardConfiguration.for_spec(spec, clock_hz=1_000_000)
+    with pytest.raises(ValueRangeError, match="choose a faster clock"):
+        Board(spec, configuration=slow)
 
 
 def test_an_entity_without_vhdl_has_no_limits() -> None:

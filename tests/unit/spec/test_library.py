@@ -50,7 +50,7 @@ def test_components_get_addresses_where_there_is_room() -> None:
         "pwm", 8, 6,
         (("clock_hz", 0), ("channels", 4), ("frequency_hz", 20000), ("servo", 0),
          ("servo_minimum_us", 500), ("servo_maximum_us", 2500)),
-        (("pins", "out", 4),), (),
+        (("pins", "out", 4),), (), (), 1_210_000,
     )  # fmt: skip
     assert {path: element.address for path, element in spec.walk()}["drive.width[3]"] == 13
     assert spec.devices[0].groups[0].event == "buttons.changed"

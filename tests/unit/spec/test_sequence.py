@@ -113,14 +113,19 @@ def test_a_mistake_names_the_step(notes: str, message: str) -> None:
 @pytest.mark.parametrize("name", device_files())
 def test_a_device_of_the_library_is_whole(name: str) -> None:
     assert name not in component_names()
-    result = compile_text(f"link l(ADDRESS=8); public a() {{ one: {name}(rate=10 Hz); }}")
+    page = device_files()[name].with_name("README.md").read_text("utf-8")
+    assert f"| `{name}.ul` |" in page
+    sequenced = "@sequence" in device_files()[name].read_text("utf-8")
+    arguments = "rate=10 Hz" if sequenced else ""
+    result = compile_text(f"link l(ADDRESS=8); public a() {{ one: {name}({arguments}); }}")
     assert [one.message for one in result.diagnostics] == []
     assert result.spec is not None
     (instance,) = result.spec.root().instances
     assert instance.component is not None
     generics = dict(instance.component.generics)
+    assert ("program" in generics) == sequenced
+    if not sequenced:
+        return
     values = [one for one in result.spec.root().walk() if one.address >= instance.component.base + 5]
     assert sum(one.words for one in values) == generics["values"] == instance.component.words - 5
     assert all(one.unit and one.publish for one in values), "each value has a unit, and is published"
-    page = device_files()[name].with_name("README.md").read_text("utf-8")
-    assert f"| `{name}.ul` |" in page

@@ -193,9 +193,7 @@ class Parts:
                     )
             name = self._name(channels[0].name if len(channels) == 1 else "servos")
             pins = {"pins": [self._plain(one, "pwm") for one in channels]}
-            self._add(
-                name, f"pwm(channels={len(channels)}, servo=1, scale=1 us, maximum=2500)", comments, pins
-            )
+            self._add(name, f"rc_servo(channels={len(channels)})", comments, pins)
 
     def _encoders(self, plugins: list[Plugin]) -> None:
         for one in plugins:

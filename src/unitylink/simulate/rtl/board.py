@@ -8,6 +8,7 @@ from typing import Any
 from unitylink import _native
 from unitylink.errors import UnityLinkError
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.interface.components import check_clock
 from unitylink.spec.model import Spec
 
 from ..board import Board
@@ -93,6 +94,7 @@ class RtlBoard(ModelBoard):
         progress: Progress | None = None,
     ) -> None:
         chosen = configuration if configuration is not None else rtl_configuration(spec)
+        check_clock(chosen.components, chosen.clock_hz)  # before a build of half a minute
         model = build_model(design if design is not None else design_of(spec, chosen), progress)
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None

@@ -10,6 +10,7 @@ from ..report.diagnostics import Advice
 from ..text.syntax import Argument, Binding, ElementNode, ExpansionNode, Name, Notes, Number, Parameter, Text
 from ..units import spoken, unit
 from .elements import ElementReader
+from .generic_limits import is_clock
 from .scope import Scope, Scopes, UsableNode, matched
 from .type_names import names_of
 
@@ -65,6 +66,7 @@ class _Checker:
             self.scopes.names_of(scope, argument, array=array)
             for node in notes.annotations
             for argument in node.arguments
+            if not (node.name.text == "limit" and is_clock(argument))
         ]
         return all(known)
 

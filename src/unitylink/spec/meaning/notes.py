@@ -3,6 +3,7 @@
 
 `@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
 its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
+`@limit(value, most=other)` says what the generics cannot be (`generic_limits.py`).
 `@source("pwm.vhd")` names the VHDL of an entity that is not of the library. `@sequence`, `@setup` and
 `@cycle` are the program of a device on SPI or I²C (`sequence.py`).
 """
@@ -17,11 +18,11 @@ from ..annotation import Annotation, AnnotationValue
 from ..model import Component
 from ..text.syntax import AnnotationNode, Argument, Notes
 from .evaluate import Evaluator, Value
+from .generic_limits import check_limit, check_ranges, is_limit
 from .sequence import KINDS, generics_of
-from .vhdl_generics import limits_of
 from .vhdl_source import find_source
 
-RESERVED = ("component", "generic", "pin", "event", "source", *KINDS)
+RESERVED = ("component", "generic", "pin", "event", "source", "limit", *KINDS)
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
@@ -66,6 +67,7 @@ def component(
     events: list[str] = []
     sources: list[str] = []
     steps: list[AnnotationNode] = []
+    clock_least_hz = 0
     for node in notes.annotations:
         kind = node.name.text
         if kind not in RESERVED:
@@ -103,27 +105,17 @@ def component(
                 bits = evaluator.integer(node.arguments[2], names, "the number of pins", 0, _MAX_BITS)
             if bits is not None:
                 pins.append((texts[0], texts[1], bits))
+        elif kind == "limit" and is_limit(node):
+            clock_least_hz = max(clock_least_hz, check_limit(node, evaluator, names))
         else:
             _wrong(node, evaluator)
     if steps:
         generics += generics_of(steps, evaluator, names)
     if not entity:
         return None
-    _check_limits(entity, sources, given, evaluator)
-    return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events), tuple(sources))
-
-
-def _check_limits(
-    entity: str, sources: list[str], given: list[tuple[Argument, str, int]], evaluator: Evaluator
-) -> None:
-    """Report each number that the generic does not take. That of `clock_hz` is the design's clock."""
-    limits = limits_of(entity, sources)
-    for argument, name, value in given:
-        low, high = limits.get(name.lower(), (value, value))
-        if name != "clock_hz" and not low <= value <= high:
-            message = f"generic `{name}` of `{entity}` is {value:,}"
-            hint = f"it is a number from {low:,} to {high:,}"
-            evaluator.reporter.report("UL049", argument.start, argument.end, message, hint)
+    check_ranges(entity, sources, given, evaluator)
+    ports = tuple(pins), tuple(events)
+    return Component(entity, base, words, tuple(generics), *ports, tuple(sources), clock_least_hz)
 
 
 def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
@@ -134,6 +126,7 @@ def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
         "pin": '`@pin("port", "in")`, `@pin("port", "out", bits)`',
         "event": '`@event("port")`',
         "source": '`@source("stepper.vhd")`',
+        "limit": "`@limit(shortest, least=20, most=longest)`, `@limit(clock_hz, least=8*baud)`",
     }[kind]
     message = f"this is no `@{kind}` of a component"
     evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")
