@@ -28,6 +28,13 @@ SECONDS_MOST = 120  # a bench has a watchdog on simulated time; this limit is fo
 COVERAGE = os.environ.get("UNITYLINK_COVERAGE", "")
 COUNT_LINES = ["-fprofile-arcs", "-ftest-coverage", "-Wl,-lgcov", "-Wl,--coverage"]
 
+# Each of these warnings of GHDL is an error: what vendors' tools and newer versions of GHDL take amiss.
+WARNINGS = """
+    analyze-assert attribute binding body default-binding delayed-checks library nested-comment others
+    parenthesis port port-bounds pure runtime-error shared specs static universal unused useless
+"""
+STRICT = [*(f"-W{warning}" for warning in WARNINGS.split()), "-Wno-hide", "-Werror"]
+
 
 class Ghdl:
     """Run benches of analysed VHDL, at --std=08.
@@ -55,7 +62,7 @@ class Ghdl:
         # Our own VHDL never compares an unknown value. Gates do, and so does a bus that decodes an address
         # without a strobe. So in netlists and generated designs, a warning of numeric_std means nothing.
         self.strict = strict
-        self.make = ["-m", "--std=08", "-Wno-hide", *(COUNT_LINES if count_lines else [])]
+        self.make = ["-m", "--std=08", *STRICT, *(COUNT_LINES if count_lines else [])]
         self._call("-i", "--std=08", *(["--work=unitylink"] if own else []), *map(str, sources))
         if own:
             self._call("-i", "--std=08", *map(str, own))

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from unitylink.errors import ToolError
-from unitylink.gateware import gateware_sources, map_cells, netlist
+from unitylink.gateware import gateware_sources, netlist, run_tool
 from unitylink.gateware.build import build
 from unitylink.gateware.dependencies import entities_of, units_of
 from unitylink.generate import SpecPlan, planned_files, write_files
@@ -137,7 +138,8 @@ def test_its_netlist_has_both(sources: list[Path], tmp_path: Path) -> None:
     for name in ("core", "uart", "synchroniser"):
         assert [module for module in modules if module.startswith(f"unitylink_{name}")]
     (tmp_path / "board.v").write_text(verilog)
-    assert "SB_RAM40_4K" in map_cells("ice40", "board", ["board.v"], "board.json", tmp_path)
+    ended = run_tool(["yosys", "-q", "-p", "read_verilog board.v; hierarchy -check -top board"], tmp_path)
+    assert ended.code == 0, ended.err
 
 
 def test_what_is_wrong_in_a_users_file_is_told_at_its_place(sources: list[Path], tmp_path: Path) -> None:
@@ -153,3 +155,16 @@ def test_a_name_in_the_wrong_library_is_told(tmp_path: Path) -> None:
     old.write_text("use work.width_pkg.all;\nentity old is end;\narchitecture a of old is begin end;\n")
     with pytest.raises(ToolError, match=r"width_pkg is in the library unitylink: write `library unitylink;`"):
         build("check", "old", tmp_path, [old])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "warning"),
+    [
+        ("component c is end component; begin c1 : c;", "not bound"),
+        ("/* a comment /* in another one */ begin", "comment"),
+    ],
+)
+def test_what_ghdl_only_warns_of_is_refused(ghdl: Any, tmp_path: Path, wrong: str, warning: str) -> None:
+    (tmp_path / "a.vhd").write_text(f"entity a is end;\narchitecture x of a is\n{wrong}\nend;\n")
+    with pytest.raises(AssertionError, match=warning):
+        type(ghdl)(tmp_path, [tmp_path / "a.vhd"]).run("a")
