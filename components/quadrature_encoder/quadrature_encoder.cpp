@@ -4,6 +4,7 @@
 #include <array>
 
 #include "device/component/component.hpp"
+#include "device/component/edge_velocity.hpp"
 #include "device/component/input_filter.hpp"
 
 namespace unitylink::device {
@@ -15,22 +16,34 @@ constexpr Clock round_clocks = 16;
 class QuadratureEncoder final : public Component {
  public:
   explicit QuadratureEncoder(const ComponentConfiguration& from)
-      : Component(from, "100100", true),
+      : Component(from, from.generic("with_velocity", 0) != 0 ? "1001000" : "100100", true),
         filter_(3, stable_clocks(from)),
         with_index_(from.generic("with_index", 0) != 0),
         with_stamps_(from.generic("with_stamps", 0) != 0),
-        data_mask_(from.data_mask()) {
+        words_(from.generic("with_velocity", 0) != 0 ? velocity + 1u : velocity),
+        data_mask_(from.data_mask()),
+        speed_(from) {
     wait_until(round_clocks + 1);
   }
 
  private:
-  enum Register : std::uint32_t { position, index_position, index_count, impossible, stamp, index_stamp, words };
-  enum Event : std::uint32_t { indexed, failed };
+  enum Register : std::uint32_t {
+    position,
+    index_position,
+    index_count,
+    impossible,
+    stamp,
+    index_stamp,
+    velocity,
+    words
+  };
+  enum Event : std::uint32_t { indexed, failed, stopped };
   enum Pin : std::uint32_t { a = 1, b = 2, index = 4 };  // bits of the levels
   // The edges of a round that matter: two for each word, and the last one.
   static constexpr Clock takes_steps = 2 * position;
   static constexpr Clock takes_failed = 2 * impossible;
   static constexpr Clock frees_index = 2 * index_stamp;
+  static constexpr Clock takes_velocity = 2 * velocity;
   static constexpr Clock shows = round_clocks - 1;
 
   // A level counts when it has been stable for so long: clocks_lasting of rate_pkg.vhd.
@@ -44,7 +57,9 @@ class QuadratureEncoder final : public Component {
     return edge + (place + round_clocks - edge % round_clocks) % round_clocks;
   }
 
-  [[nodiscard]] Clock next() const noexcept override { return std::min({filter_.next(), compare_, turn_}); }
+  [[nodiscard]] Clock next() const noexcept override {
+    return std::min({filter_.next(), compare_, turn_, speed_next()});
+  }
 
   // A write waits for the turn of its word, and for the end of that round.
   Clock offered(std::uint32_t address, std::uint32_t value, Clock edge) override {
@@ -58,6 +73,10 @@ class QuadratureEncoder final : public Component {
     const Clock place = edge % round_clocks;
     const bool had_index = has_index_;
     const bool given = given_.taken == edge;
+    speed_.tick(edge);
+    if (place == takes_velocity) {
+      live_[velocity] = static_cast<std::uint32_t>(speed_.value());
+    }
     if (place == takes_steps) {
       take(given);
     } else if (place == takes_failed) {
@@ -69,7 +88,7 @@ class QuadratureEncoder final : public Component {
     }
     look(edge, had_index);
     if (place == shows) {
-      for (std::uint32_t address = 0; address < words; ++address) {
+      for (std::uint32_t address = 0; address < words_; ++address) {
         word(address, live_[address] & data_mask_, edge);
       }
     }
@@ -97,11 +116,18 @@ class QuadratureEncoder final : public Component {
     const std::uint32_t now = filter_.levels();
     const std::uint32_t changed = now ^ before_;
     const bool counts = edge >= round_clocks;
+    const bool up = ((now & a) != 0) != ((before_ & b) != 0);
+    const bool steps = ((changed & a) != 0) != ((changed & b) != 0);
+    if (steps) {
+      speed_.moved(edge, up);
+    }
+    if (has_velocity() && speed_.stalls(edge, steps)) {
+      event(stopped, edge);
+    }
     if (counts && (changed & (a | b)) == (a | b)) {
       has_failed_ = true;
       event(failed, edge);
-    } else if (counts && (changed & (a | b)) != 0) {
-      const bool up = ((now & a) != 0) != ((before_ & b) != 0);
+    } else if (counts && steps) {
       steps_ += up ? 1u : ~0u;
       has_stepped_ = with_stamps_;
       step_at_ = static_cast<std::uint32_t>(edge);
@@ -134,10 +160,16 @@ class QuadratureEncoder final : public Component {
     if (due_) {
       turn_ = std::min(turn_, at_place(frees_index, after));
     }
+    if (has_velocity() && static_cast<std::uint32_t>(speed_.value()) != live_[velocity]) {
+      turn_ = std::min(turn_, at_place(takes_velocity, after));
+    }
     if (given_.taken != never && given_.taken > edge) {
       turn_ = std::min(turn_, given_.taken);
     }
   }
+
+  [[nodiscard]] bool has_velocity() const noexcept { return words_ > velocity; }
+  [[nodiscard]] Clock speed_next() const noexcept { return has_velocity() ? speed_.next() : never; }
 
   void driven(std::uint32_t pin, bool level, Clock edge) override { filter_.drive(pin, level, edge); }
 
@@ -149,7 +181,9 @@ class QuadratureEncoder final : public Component {
   InputFilter filter_;
   bool with_index_;
   bool with_stamps_;
+  std::uint32_t words_;  // that exist
   std::uint32_t data_mask_;
+  EdgeVelocity speed_;
   std::array<std::uint32_t, words> live_{};
   Given given_;
   std::uint32_t before_ = 0;  // the levels when they were last compared

@@ -10,12 +10,15 @@
 --   +3  impossible steps: both lines changed at once           write: sets the number
 --   +4  clock of the last step, since the reset; wraps at the word
 --   +5  clock of the last rising edge of index
+--   +6  velocity: speed, or the negative of it when `back` is high (with_velocity 1, and one channel)
 --
 -- Between two turns a channel collects its steps in a small counter. Its turn takes in one clock what it has collected.
 -- So no step is lost or doubled. Impossible steps in one round count as one. An edge of index is ignored within a round
 -- of the one before.
 --
 -- Generics  with_index 0: +1, +2 and +5 stay zero, and there is no event. with_stamps 0: +4 and +5 stay zero.
+--           with_velocity 0: there is no +6.
+-- Velocity  It is taken while `hold` is high. Then speed and back must not change.
 -- Reads     give the words of the last round that had ended when cyc rose. So all words of a channel are of one moment,
 --           in a block of accesses as well. Channel n is 16 * n clocks later than channel 0. A write thaws the words
 --           until cyc falls.
@@ -37,6 +40,7 @@ entity quadrature_encoder_counts is
     channels    : positive range 1 to 8  := 1;
     with_index  : natural range 0 to 1   := 0;
     with_stamps : natural range 0 to 1   := 0;
+    with_velocity : natural range 0 to 1 := 0;
     data_width  : positive range 8 to 32 := 32
   );
   port (
@@ -48,6 +52,10 @@ entity quadrature_encoder_counts is
     a     : in  std_ulogic_vector(channels - 1 downto 0); -- synchronous and filtered, as the next two
     b     : in  std_ulogic_vector(channels - 1 downto 0);
     index : in  std_ulogic_vector(channels - 1 downto 0);
+
+    speed : in  unsigned(data_width - 2 downto 0) := (others => '0');
+    back  : in  std_ulogic := '0';
+    hold  : out std_ulogic;
 
     indexed : out std_ulogic; -- an index has come, for one clock
     failed  : out std_ulogic  -- an impossible step has come, for one clock
@@ -67,6 +75,7 @@ architecture rtl of quadrature_encoder_counts is
   constant impossible     : natural := 3;
   constant stamp          : natural := 4;
   constant index_stamp    : natural := 5;
+  constant velocity       : natural := 6;
   constant time_word      : natural := 7;
 
   subtype channels_t is std_ulogic_vector(channels - 1 downto 0);
@@ -127,7 +136,8 @@ begin
   asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not closed;
   known     <= '1' when unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto turn_bits)) = 0 and
                         unsigned('0' & wishbone_m2s.adr(turn_t'range)) < words * channels and
-                        wishbone_m2s.adr(2 downto 1) /= "11" else '0';
+                        (wishbone_m2s.adr(2 downto 1) /= "11" or
+                         (with_velocity = 1 and wishbone_m2s.adr(0) = '0')) else '0';
   may_write <= '1' when known = '1' and wishbone_m2s.adr(2) = '0' and
                         wishbone_m2s.adr(1) = wishbone_m2s.adr(0) and
                         wishbone_m2s.sel = (wishbone_m2s.sel'range => '1') else '0';
@@ -171,6 +181,7 @@ begin
   turn   <= count(count'high downto 1);
   second <= count(0);
   last   <= and count;
+  hold   <= '1' when count >= 2 * velocity and count <= 2 * velocity + 2 else '0';
 
   choose : process (all) is
   begin
@@ -190,6 +201,9 @@ begin
     word := base;
     if given = '1' then
       word := unsigned(wishbone_m2s.dat(word_t'range));
+    end if;
+    if with_velocity = 1 and word_of(now) = velocity then
+      word := ('0' & speed) xor (word_t'range => back);
     end if;
     if starting = '1' then
       word := (others => '0');
@@ -233,6 +247,10 @@ begin
               when index_stamp =>
                 if with_stamps = 1 and due = '1' then
                   amount <= signed(resize(index_at(channel) - begun, sum_bits));
+                end if;
+              when velocity =>
+                if with_velocity = 1 then
+                  amount(0) <= back;
                 end if;
               when others =>
                 amount <= to_signed(round, sum_bits);

@@ -194,7 +194,8 @@ class Case:
     the longest time for which a write waits for its answer, and for which any access waits after the reset.
     `start` is that time of a component whose writes do not wait.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
-    a device, if no description has such a one.
+    a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
+    turns, turns back, and rests: its edges are so many clocks apart.
     """
 
     arguments: str = ""
@@ -205,6 +206,7 @@ class Case:
     device: str = ""
     program: str = ""
     start: int = 0
+    shaft: Sequence[int] = ()
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -213,7 +215,8 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
     Pins change in bursts, some as fast as the clock.
     """
     draw = random.Random(seed)
-    found = [*_accesses(draw, one, case, end), *_pins(draw, one, case, end)]
+    pins = _shaft(draw, case, end) if case.shaft else _pins(draw, one, case, end)
+    found = [*_accesses(draw, one, case, end), *pins]
     order = {"p": 0, "c": 1, "r": 2, "w": 2}
     # a block is closed before anything else of its clock begins
     return sorted(found, key=lambda s: (s[0], order[s[1]] - (s[1] == "c" and s[3] == 0) * 2, s[2]))
@@ -251,3 +254,14 @@ def _pins(draw: random.Random, one: ComponentConfiguration, case: Case, end: int
                 yield now, "p", pin, levels[pin]
             now += draw.choice((1, 2, 3, 4, 7))
         now += draw.randrange(1, case.quiet)
+
+
+def _shaft(draw: random.Random, case: Case, end: int) -> Iterator[Stimulus]:
+    now, count = RESET_CLOCKS, 0
+    while now < end - 20:
+        way, apart = draw.choice((1, 1, -1)), draw.choice(case.shaft)
+        for _ in range(1 + draw.randrange(max(2, min(40, 1500 // apart)))):
+            pin = count & 1 if way > 0 else ~count & 1
+            count += way
+            yield now, "p", pin, (count + 1 - pin >> 1) & 1
+            now += apart

@@ -27,6 +27,8 @@ THREE_PHASE = {0: (0, 1, 1, 7, 7, 3, 5), 2: (0, 500, 2000, 4095)} | dict.fromkey
 CHECKED = "C064C00020005800D800C064C8002000580020001C01D005"
 # Reads a byte from the register 0 of the device 48, as soon as the last byte is there.
 SHORT = "C00AC000D800C014C8002090000020911C01D003"
+# Clocks between the edges of an encoder: short, about a window of 246 or 292 clocks, and about a stall.
+SHAFT = (1, 2, 3, 9, 27, 81, 200, 246, 247, 292, 293, 506, 507, 508, 598, 599, 600, 1500)
 CASES = {
     "gpio": (
         Case("pins=8"),
@@ -83,6 +85,9 @@ CASES = {
         Case("filter_ns=0, with_index=1", pause=2000, wait=34),
         Case("filter_ns=2000", wait=34),
         Case("with_index=1", pause=5, quiet=400, wait=34),
+        Case("filter_ns=0, with_velocity=1, velocity_us=107, stall_us=220", wait=34, shaft=SHAFT),
+        Case("filter_ns=800, with_velocity=1, velocity_us=130, stall_us=300", pause=20, quiet=900, wait=34),
+        Case("filter_ns=0, with_velocity=1, velocity_us=127, stall_us=260", pause=5, wait=34, shaft=SHAFT),
     ),
 }
 CLOCK_HZ = 2_300_000  # so that a microsecond is no whole number of clocks
@@ -144,6 +149,13 @@ FAULTS = [
         "clocks_lasting(filter_ns, clock_hz)",
         "clocks_lasting(filter_ns, clock_hz) - 1",
     ),
+    ("quadrature_encoder", 4, "elapsed   <= since + 1;", "elapsed   <= since;"),
+    ("quadrature_encoder", 4, "way := moved + 1;", "way := moved;"),
+    ("quadrature_encoder", 4, "if is_bound = '0' or fits = '0' then", "if is_bound = '0' then"),
+    ("quadrature_encoder", 4, "(since = stall_clocks and edge = '0')", "since = stall_clocks"),
+    ("quadrature_encoder", 6, "clears  <= '1';", "clears  <= '0';"),
+    ("quadrature_encoder", 6, "elsif hold = '0' then", "else"),
+    ("quadrature_encoder", 6, "amount(0) <= back;", "amount(0) <= '0';"),
     ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
     ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
     ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),

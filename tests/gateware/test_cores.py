@@ -64,6 +64,10 @@ def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int, extr
     )
 
 
+def test_quadrature_encoder_velocity(ghdl: Any) -> None:
+    ghdl.run("quadrature_encoder_velocity_tb")
+
+
 def test_stepgen(ghdl: Any) -> None:
     ghdl.run("stepgen_tb")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -186,6 +187,36 @@ def unit(text: str) -> Unit | None:
         steps += 1
     a, b, c, d, e, f, g = dimension
     return Unit(text, (a, b, c, d, e, f, g), factor)
+
+
+def combined(left: str, right: str, *, divided: bool) -> str | None:
+    """Return the unit of a product, or of a quotient. Return None if it cannot be written as a unit.
+
+    >>> combined("rad", "s", divided=True), combined("m/s", "s", divided=True)
+    ('rad/s', 'm/s^2')
+    >>> combined("", "rad", divided=True), combined("rad/s", "s", divided=False)
+    ('1/rad', 'rad')
+    """
+    powers: dict[str, int] = {}
+    for text, sign in ((left, 1), (right, -1 if divided else 1)):
+        for name, power in _factors(text):
+            powers[name] = powers.get(name, 0) + sign * power
+    above = " ".join(_power(name, power) for name, power in powers.items() if power > 0)
+    below = "".join(f"/{_power(name, -power)}" for name, power in powers.items() if power < 0)
+    text = (above or "1") + below
+    return text if unit(text) is not None else None
+
+
+def _factors(text: str) -> Iterator[tuple[str, int]]:
+    """Yield each name of a unit, and its power."""
+    for step in _STEP.finditer(text):
+        power = int(step.group(3) or {"²": 2, "³": 3}.get(step.group(4), 1))
+        if step.group(2) != "1":
+            yield step.group(2), -power if step.group(1) == "/" else power
+
+
+def _power(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}^{power}"
 
 
 def spoken(text: str) -> str | None:

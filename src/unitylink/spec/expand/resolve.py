@@ -13,7 +13,7 @@ from ..meaning.elements import ElementReader
 from ..meaning.evaluate import Value
 from ..meaning.graph import MAX_DEPTH, MAX_ITEMS, Graph, cost_of_element, cost_of_expansion
 from ..meaning.members import check_members
-from ..meaning.notes import annotations_of, component
+from ..meaning.notes import annotations_of, component, is_there
 from ..meaning.scope import ADDRESS_MAX, INDEX, Scope, Scopes
 from ..meaning.type_names import names_of
 from ..model import Component, Element, Instance, Link, LinkBinding, Member, Span
@@ -336,6 +336,8 @@ class Resolver:
     # --- elements -------------------------------------------------------------------------------------------
 
     def _element_or_array(self, frame: _Frame, node: ElementNode) -> list[Member]:
+        if node.notes.annotations and not is_there(node.notes, self.evaluator, frame.names):
+            return []
         if node.count is None:
             one = self._element(frame, node, frame.names, node.name.text)
             return [] if one is None else [one]

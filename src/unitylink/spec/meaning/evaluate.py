@@ -15,7 +15,8 @@ from typing import Union
 from ..report.diagnostics import Advice, Reporter
 from ..report.suggest import nearest
 from ..text.syntax import Argument, Expression, Name, Number, Operation, Text
-from ..units import UNITS, Dimension, Unit, spoken, unit
+from ..units import NONE as NO_UNIT
+from ..units import UNITS, Dimension, Unit, combined, spoken, unit
 
 MAX_STRING = 250  # the most characters of an evaluated string
 MAX_BITS = 512  # the most bits of a number during a computation: 64-bit words, scaled exactly
@@ -243,27 +244,37 @@ class Evaluator:
         )
 
     def _scaled(self, node: Operation, left: Value, right: Value) -> Value:
-        """Multiply or divide a number with a unit by a plain number.
+        """Multiply or divide, where one or both have a unit. So has the result.
 
         Divided by a number of the same quantity, it becomes a plain number.
         """
-        if isinstance(left, Quantity) and isinstance(right, Quantity):
-            if node.operator == "/" and left.dimension == right.dimension:
-                return _simple(left.value / self._divisor(right.value, node))
-            message = "two numbers with a unit can only be divided, where both measure the same"
+        plain_left = not isinstance(left, Quantity)
+        if plain_left and node.operator == "/" and isinstance(node.right, Number):
+            return self._quotient(node, left, node.right)
+        a, b = self._factor(left, node.left or node), self._factor(right, node.right)
+        divided = node.operator == "/"
+        value = a.value / self._divisor(b.value, node) if divided else a.value * b.value
+        value = Fraction(self._bounded(value, node))
+        sign = -1 if divided else 1
+        x, y = a.dimension, b.dimension
+        powers = [one + sign * other for one, other in zip(x, y, strict=True)]
+        if not any(powers) and (a.unit and b.unit):
+            return _simple(value)
+        text = combined(a.unit, b.unit, divided=divided)
+        if text is None:
+            message = f"there is no unit for {'a quotient' if divided else 'a product'} of these"
             self.reporter.report("UL088", node.start, node.end, message, "leave one of the units out")
             raise Stop
-        if isinstance(left, Quantity):
-            factor = Fraction(self._plain(right, node.right))
-            value = left.value * factor if node.operator == "*" else left.value / self._divisor(factor, node)
-            return Quantity(Fraction(self._bounded(value, node)), left.dimension, left.unit)
-        if node.operator == "*" and isinstance(right, Quantity):
-            value = Fraction(self._plain(left, node.right)) * right.value
-            return Quantity(Fraction(self._bounded(value, node)), right.dimension, right.unit)
-        if isinstance(node.right, Number) and isinstance(right, Quantity):
-            return self._quotient(node, left, node.right)
-        self._mixed(node)
-        raise Stop
+        length, mass, time, current, temperature, angle, things = powers
+        return Quantity(value, (length, mass, time, current, temperature, angle, things), text)
+
+    def _factor(self, value: Value, node: Expression) -> Quantity:
+        """A factor of a product. A plain number has the unit ""."""
+        return (
+            value
+            if isinstance(value, Quantity)
+            else Quantity(Fraction(self._plain(value, node)), NO_UNIT, "")
+        )
 
     def _quotient(self, node: Operation, left: Value, right: Number) -> Quantity:
         """A unit behind a quotient is that of the whole: `2*pi/4096 rad` is so many radians."""

@@ -5,7 +5,7 @@
 its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
 `@limit(value, most=other)` says what the generics cannot be (`generic_limits.py`).
 `@source("pwm.vhd")` names the VHDL of an entity that is not of the library. `@sequence`, `@setup` and
-`@cycle` are the program of a device on SPI or I²C (`sequence.py`).
+`@cycle` are the program of a device on SPI or I²C (`sequence.py`). `@when(number)` is before an element.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .generic_limits import check_limit, check_ranges, is_limit
 from .sequence import KINDS, generics_of
 from .vhdl_source import find_source
 
-RESERVED = ("component", "generic", "pin", "event", "source", "limit", *KINDS)
+RESERVED = ("component", "generic", "pin", "event", "source", "limit", "when", *KINDS)
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
@@ -45,6 +45,18 @@ def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value
                     options.append((argument.key.text, value))
             found.append(Annotation(node.name.text, tuple(values), tuple(options)))
     return tuple(found)
+
+
+def is_there(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> bool:
+    """Is there an element with these notes? `@when(number)` leaves it out if the number is 0."""
+    for node in notes.annotations:
+        if node.name.text == "when":
+            if len(node.arguments) != 1 or node.arguments[0].key is not None:
+                _wrong(node, evaluator)
+                return False
+            if not evaluator.integer(node.arguments[0], names, "`@when`", 0, (1 << 31) - 1):
+                return False
+    return True
 
 
 def _plain(value: Value | None) -> AnnotationValue | None:
@@ -70,7 +82,7 @@ def component(
     clock_least_hz = 0
     for node in notes.annotations:
         kind = node.name.text
-        if kind not in RESERVED:
+        if kind not in RESERVED or kind == "when":
             continue
         if kind in KINDS:
             steps.append(node)
@@ -127,6 +139,7 @@ def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
         "event": '`@event("port")`',
         "source": '`@source("stepper.vhd")`',
         "limit": "`@limit(shortest, least=20, most=longest)`, `@limit(clock_hz, least=8*baud)`",
+        "when": "`@when(with_index)`",
     }[kind]
-    message = f"this is no `@{kind}` of a component"
+    message = f"this is no `@{kind}`" if kind == "when" else f"this is no `@{kind}` of a component"
     evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")
