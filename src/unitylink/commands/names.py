@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
 _ADDRESS = re.compile(r"0[xX][0-9a-fA-F_]+")
-_GLOB = re.compile(r"[*?\[]")
+_GLOB = re.compile(r"[*?]")
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,15 @@ class Item:
     @property
     def quantity(self) -> Quantity:
         return Quantity.of(self.element) if self.element else Quantity()
+
+
+def matches(name: str, pattern: str) -> bool:
+    """Tell whether a name matches a pattern with `*` and `?`. Brackets are those of an array.
+
+    >>> matches("leg[0].knee", "leg[0].*"), matches("leg0.knee", "leg[0].*")
+    (True, False)
+    """
+    return fnmatchcase(name, pattern.replace("[", "[[]"))
 
 
 class Names:
@@ -132,7 +141,7 @@ class Names:
         if word in self.groups or word in self.instances:
             return self._items(self.groups.get(word) or self.instances[word])
         if _GLOB.search(word):
-            items = self._items(name for name in self.elements if fnmatchcase(name, word))
+            items = self._items(name for name in self.elements if matches(name, word))
             if items:
                 return items
             raise Failure(f"the pattern '{word}' matches no item of {self.source}", self._advice("*"))

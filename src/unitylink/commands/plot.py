@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from fnmatch import fnmatchcase
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -24,6 +23,7 @@ from unitylink.values import Quantity
 
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
+from .names import matches
 from .output import colours, force_option, terminal
 from .sampling_options import duration_option, rate_option, sampled_items
 from .series import AllSeries, parts_of
@@ -174,7 +174,7 @@ def _spec_of(made_with: Origin) -> Spec | None:
 
 def _matches(name: str, pattern: str) -> bool:
     """Return whether a pattern or a name means this item. The name of an instance means all of its items."""
-    return fnmatchcase(name, pattern) or name.startswith(f"{pattern}.")
+    return matches(name, pattern) or name.startswith(f"{pattern}.")
 
 
 def _draw(series: AllSeries, title: str, out: str | None, *, force: bool) -> None:

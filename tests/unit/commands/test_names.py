@@ -53,6 +53,15 @@ def test_a_name_a_pattern_an_instance_a_group_an_address() -> None:
     assert found(["arm"]) == ["j1.cpos", "j1.pos_sp", "j2.cpos", "j2.pos_sp"]
 
 
+def test_brackets_in_a_pattern_are_those_of_an_array() -> None:
+    legs = tuple(joint(f"leg[{index}]", 0x10 * index) for index in range(3))
+    robot = Instance("walker", "", "walker", "walker", MEMORY, legs, (), SPAN)
+    assert found(["leg[1].*"], robot) == ["leg[1].cpos", "leg[1].pos_sp"]
+    assert found(["leg[*].cpos"], robot) == ["leg[0].cpos", "leg[1].cpos", "leg[2].cpos"]
+    with pytest.raises(Failure, match=r"the pattern 'leg\[3\].\*' matches no item"):
+        found(["leg[3].*"], robot)
+
+
 def test_the_order_typed_is_kept_and_each_item_comes_once() -> None:
     assert found(["j2.cpos", "*.cpos", "j2.cpos"]) == ["j2.cpos", "j1.cpos"]
 
