@@ -25,6 +25,7 @@ const char* class_of(Status status) {
     case Status::mismatch: return "DeviceMismatch";
     case Status::denied: return "DeadManTripped";
     case Status::down: return "LinkDown";
+    case Status::refused: return "AccessRefused";
     case Status::range: return "ValueRangeError";
     case Status::bad_url: return "UrlError";
     default: return "LinkError";

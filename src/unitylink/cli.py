@@ -38,6 +38,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "import": ("import_command", "Make a spec from SystemRDL, or from a configuration of riocore."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
+    "serve": ("serve", "Share boards among many programs: serve://HOST:PORT/NAME."),
     "info": ("info", "Show a device's configuration and the link's statistics."),
     "list": ("list", "List the items of a spec: address, access, type, publish."),
     "read": ("read", "Read items by name, pattern or address."),

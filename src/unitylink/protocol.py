@@ -269,6 +269,13 @@ CONTROL_VALUE_FEATURE_EXCHANGES: Final = 8
 CONTROL_VALUE_FEATURE_DEADMAN: Final = 16
 CONTROL_VALUE_FEATURE_LONG_FRAMES: Final = 32
 
+SERVE_VERSION: Final = 1
+SERVE_GREETING: Final = "unitylink-serve"
+SERVE_ADMITTED: Final = "admitted"
+SERVE_REFUSED: Final = "refused"
+SERVE_LOGIN_MAX: Final = 512
+SERVE_NOT_ALLOWED: Final = 11
+
 APPLICATION_ERRORS: Final = MappingProxyType(
     {
         "E_ICC": "unknown or unfinished command",

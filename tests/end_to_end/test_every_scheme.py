@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+import json
+import os
 import shutil
+import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from unittest import mock
 
 import pytest
 from end_to_end.every_command import SPEC, converse
@@ -54,6 +60,31 @@ def test_boards_at_a_port(stack: ExitStack, spec: Path, tmp_path: Path, scheme: 
     board = stack.enter_context(Board(load(spec), endpoint=endpoint))
     assert board.url.startswith(f"{scheme}:")
     check(converse(lambda: f"{board.url}?timeout=2", spec, tmp_path))
+
+
+def test_a_board_behind_a_server(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
+    program = [
+        sys.executable,
+        "-m",
+        "unitylink",
+        "serve",
+        f"sim:{spec}",
+        str(spec),
+        "--listen",
+        "0",
+        "--json",
+    ]
+    server = stack.enter_context(
+        subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    )
+    stack.callback(server.terminate)
+    assert server.stdout is not None
+    told = json.loads(server.stdout.readline())
+    assert told["urls"]["plain"].startswith("serve://127.0.0.1:")
+    stack.enter_context(mock.patch.dict(os.environ, {"UNITYLINK_TOKEN": told["token"]}))
+    check(converse(lambda: f"{told['urls']['plain']}?timeout=2", spec, tmp_path))
+    server.send_signal(signal.SIGTERM)
+    assert server.wait(2) == 0
 
 
 def test_a_descriptor(stack: ExitStack, spec: Path, tmp_path: Path) -> None:

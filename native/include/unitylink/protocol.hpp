@@ -327,4 +327,13 @@ inline constexpr std::uint32_t feature_deadman = 16;
 inline constexpr std::uint32_t feature_long_frames = 32;
 }  // namespace control_value
 
+namespace serve {
+inline constexpr std::uint32_t version = 1;
+inline constexpr std::string_view greeting = "unitylink-serve";
+inline constexpr std::string_view admitted = "admitted";
+inline constexpr std::string_view refused = "refused";
+inline constexpr std::uint32_t login_max = 512;
+inline constexpr std::uint32_t not_allowed = 11;
+}  // namespace serve
+
 }  // namespace unitylink::protocol

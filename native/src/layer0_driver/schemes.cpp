@@ -6,7 +6,7 @@
 
 namespace unitylink {
 
-Opener open_serial, open_ftdi, open_rs485, open_spi, open_socket, open_mmap, open_descriptor;
+Opener open_serial, open_ftdi, open_rs485, open_spi, open_socket, open_serve, open_mmap, open_descriptor;
 
 namespace {
 
@@ -44,6 +44,13 @@ constexpr Scheme table[] = {
      .place = Place::host,
      .open = &open_socket,
      .loses_order = true},
+    {.name = "serve",
+     .form = "serve://HOST:PORT/BOARD",
+     .what = "a board behind `unitylink serve`, which many programs share",
+     .place = Place::board,
+     .options = "token_file",
+     .open = &open_serve,
+     .framed_only = true},
     {.name = "mmap",
      .form = "mmap:/dev/uio0",
      .what = "registers that are memory: UIO, a PCIe BAR",

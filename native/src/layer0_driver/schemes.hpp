@@ -30,6 +30,7 @@ enum class Place : std::uint8_t {
   file,    // a device file
   name,    // a name, or nothing
   host,    // //host:port
+  board,   // //host:port/NAME, or without /NAME
   number,  // a descriptor
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// TCP and UDP. TCP sends at once (TCP_NODELAY). The UDP socket is connected. Each call of send() is one datagram. An
-// empty datagram tells the board that the link has ended.
+// TCP and UDP. `serve` is TCP, with a login at its beginning (serve_driver.cpp). TCP sends at once (TCP_NODELAY). The
+// UDP socket is connected. Each call of send() is one datagram. An empty datagram tells the board that the link has
+// ended.
 
 #include <algorithm>
 #include <atomic>
@@ -97,7 +98,7 @@ Outcome cannot_connect(const Url& url, int error) {
 // Opens tcp://HOST:PORT or udp://HOST:PORT. Errors: not_found (no such host, nothing listens, no route), permission,
 // timeout, closed.
 Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
-  const bool stream = url.scheme == "tcp";
+  const bool stream = url.scheme != "udp";
   addrinfo hints{};
   hints.ai_socktype = stream ? SOCK_STREAM : SOCK_DGRAM;
   addrinfo* addresses = nullptr;

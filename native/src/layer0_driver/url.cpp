@@ -66,6 +66,10 @@ Outcome split_host(std::string_view text, std::string_view place, Url& url) {
     return wrong(text, url.scheme + ": needs '//' before the host, as in " + url.scheme + "://127.0.0.1:5555");
   }
   place.remove_prefix(2);
+  if (const std::size_t slash = place.find('/'); url.row->place == Place::board && slash != std::string_view::npos) {
+    url.path = place.substr(slash + 1);
+    place = place.substr(0, slash);
+  }
   const std::size_t colon = place.rfind(':');
   if (colon == std::string_view::npos || colon == 0) {
     return wrong(text, "a host and a port are needed, as in " + url.scheme + "://127.0.0.1:5555");
@@ -139,7 +143,7 @@ Outcome parse_url(std::string_view text, Url& url) {
   if (url.row == nullptr) {
     return wrong(text, "no scheme '" + url.scheme + "'; " + expected());
   }
-  if (url.row->place == Place::host) {
+  if (url.row->place == Place::host || url.row->place == Place::board) {
     return split_host(text, place, url);
   }
   std::uint64_t number = 0;

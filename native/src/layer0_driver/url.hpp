@@ -17,7 +17,7 @@ struct Url {
   std::string text;             // as given
   std::string scheme;           // the word before the colon
   const Scheme* row = nullptr;  // the row of this scheme
-  std::string path;             // the device file, name or number; empty if there is a host
+  std::string path;             // the device file, name or number; with a host, the name behind it
   std::string host;
   std::string port;
   std::vector<std::pair<std::string, std::string>> options;  // in the order of the URL; no name twice

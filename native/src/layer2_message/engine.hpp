@@ -32,6 +32,18 @@ struct EngineSettings {
   std::uint64_t seed = 0;  // for the random epochs of framed sessions
 };
 
+// Takes the publishes of all groups as they are, before they become words with a time. Called with the engine's lock
+// held.
+class PublishTap {
+ public:
+  // `missing`: publishes of this group that were lost before this one. `clock`: the low half of the device's time.
+  virtual void on_publish(std::uint32_t group, std::uint32_t missing, std::uint32_t clock,
+                          std::span<const std::uint8_t> words) noexcept = 0;
+
+ protected:
+  ~PublishTap() = default;
+};
+
 class Engine {
  public:
   static constexpr std::uint64_t no_deadline = ~std::uint64_t{0};
@@ -75,6 +87,8 @@ class Engine {
 
   // From now on the publishes of the group go into `ring`. nullptr: they are dropped, and counted as unclaimed.
   virtual void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }
+  // From now on the publishes go to `tap` instead of their rings. Framed only.
+  void tap(PublishTap* tap) noexcept { tap_ = tap; }
   [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] Statistics& statistics() noexcept { return statistics_; }
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
@@ -107,6 +121,7 @@ class Engine {
   std::uint64_t look_ns_ = 0;      // when the first waiting request may be late
   bool lasting_ = false;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
+  PublishTap* tap_ = nullptr;
 };
 
 }  // namespace unitylink

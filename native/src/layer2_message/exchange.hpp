@@ -43,6 +43,7 @@ enum class Operation : std::uint8_t {
   exchange,         // writes all outputs of an exchange group and reads all its inputs
   read_control,
   write_control,
+  forward,      // a request of another host, as it is
   synchronise,  // asks how many posts were executed
   close_session,
 };
@@ -88,6 +89,10 @@ struct Exchange {
   bool on_event = false;               // define_group: also publish on its event input
   std::span<const std::uint8_t> mask;  // write_event_mask, most significant byte first
   std::span<std::uint32_t> values;     // room for the words read; read_group's rate and addresses
+  std::uint8_t kind = 0;               // forward: the kind of its frame
+  bool changes = false;                // forward: it may write
+  std::span<const std::uint8_t> body;  // forward: what follows the id
+  std::span<std::uint8_t> answer;      // forward: room for exactly what follows `posts` in a successful reply
   std::uint64_t timeout_ns = 0;        // per attempt
   std::uint32_t attempts_max = 1;      // 0 once the caller has given it up
   Batch* batch = nullptr;
@@ -97,10 +102,12 @@ struct Exchange {
 
   // The result.
   Status status = Status::ok;
-  std::string_view error;          // the device's E_xxx; empty if it gave none
-  std::uint8_t datalink_code = 0;  // the last ?xx that made the request void; 0: none
-  std::uint32_t words = 0;         // words that were executed; read_group: addresses
-  std::uint8_t first_failure = 0;  // synchronise: the status of the first failed post
+  std::string_view error;                // the device's E_xxx; empty if it gave none
+  std::uint8_t datalink_code = 0;        // the last ?xx that made the request void; 0: none
+  std::uint32_t words = 0;               // words that were executed; read_group: addresses
+  std::uint8_t first_failure = 0;        // synchronise: the status of the first failed post
+  std::uint8_t reply_status = no_reply;  // of the framed protocol
+  static constexpr std::uint8_t no_reply = 0xFF;
   // how often an answer was requested: by the request itself, or by a fence for it
   std::uint32_t attempts = 0;
   bool sent = false;  // at least one of its bytes was sent
@@ -120,7 +127,7 @@ struct Exchange {
   [[nodiscard]] Status left_out() const noexcept { return writes() ? cut_off() : Status::cancelled; }
   // Whether it changes something on the device's bus.
   [[nodiscard]] bool writes() const noexcept {
-    return operation == Operation::write || !write_addresses.empty() ||
+    return operation == Operation::write || !write_addresses.empty() || changes ||
            (operation == Operation::exchange && !outputs.empty()) ||
            std::any_of(steps.begin(), steps.end(), [](const ListWord& word) { return word.writes(); });
   }

@@ -26,6 +26,8 @@ std::string_view meaning_of(std::string_view error) noexcept {
   if (error == "denied") return "its dead-man has tripped and its outputs are safe; arm() lets them be written again";
   if (error == "invalid") return "this gateware was built without that";
   if (error == "too_long") return "the reply would not fit into its buffers";
+  if (error == "not_allowed")
+    return "this server lets your token read here, but not do that; ask who runs it for the scope";
   if (error == "no_group") return "no such group, or more words than one holds";
   return "an error of the gateware";
 }
@@ -164,6 +166,7 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
     case Status::busy: return name + ": the board serves another program; close that one first";
     case Status::mismatch: return name + ": another device now answers on this port; connect again";
     case Status::denied:
+    case Status::refused:
     case Status::bus_error: return refused_text(exchange, name);
     case Status::cancelled: return name + ": given up, because another request of the same call failed";
     case Status::protocol_error:

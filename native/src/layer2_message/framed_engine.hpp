@@ -85,6 +85,8 @@ class FramedEngine final : public Engine {
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
   // Posts of lost sessions that the device had not confirmed. The call resets the count.
   [[nodiscard]] std::uint64_t take_unknown_posts() noexcept { return std::exchange(unknown_posts_, 0); }
+  // The dead-man is to trip, or has: the engine sends no more signs of life for it.
+  void stop_signs_of_life() noexcept { deadman_ticks_ = 0; }
   [[nodiscard]] std::uint64_t sessions() const noexcept { return sessions_; }
   [[nodiscard]] std::uint16_t epoch() const noexcept { return decoder_.key().epoch; }
 

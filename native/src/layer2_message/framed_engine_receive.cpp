@@ -24,6 +24,7 @@ Status status_of(std::uint8_t status) noexcept {
     case reply_status::bus_error:
     case reply_status::bus_timeout: return Status::bus_error;
     case reply_status::denied: return Status::denied;
+    case serve::not_allowed: return Status::refused;
     default: return Status::protocol_error;
   }
 }
@@ -127,7 +128,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
       }
       break;
     default:
-      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + reply_status::no_group &&
+      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + serve::not_allowed &&
           payload.size() >= frame_head::reply) {
         on_reply(static_cast<std::uint8_t>(frame.kind - device_kind::reply), payload);
         return;
@@ -162,6 +163,11 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
     statistics_.missing_publishes += missing;
     ring->miss(missing);
     const std::uint32_t clocks = number_at(payload.data() + 3, 4);
+    if (tap_ != nullptr) {
+      statistics_.publishes += 1;
+      tap_->on_publish(number, missing, clocks, payload.subspan(frame_head::publish));
+      return;
+    }
     const std::uint64_t time_ns = clock_.valid() ? std::min(now_ns_, clock_.host_ns(clocks, now_ns_)) : now_ns_;
     statistics_.publishes += 1;
     statistics_.overruns += ring->push(time_ns, payload.subspan(frame_head::publish), width) ? 0 : 1;

@@ -122,10 +122,10 @@ void put_steps(FrameEncoder& encoder, std::span<const ListWord> steps, const Con
   });
 }
 
-constexpr std::array<std::string_view, 11> names{"",       "bus_error", "bus_timeout", "bad_address",
+constexpr std::array<std::string_view, 12> names{"",       "bus_error", "bus_timeout", "bad_address",
                                                  "denied", "busy",      "invalid",     "too_long",
-                                                 "order",  "behind",    "no_group"};
-static_assert(names.size() == reply_status::no_group + 1);
+                                                 "order",  "behind",    "no_group",    "not_allowed"};
+static_assert(names.size() == serve::not_allowed + 1);
 
 std::size_t reply_words(const Exchange& exchange) noexcept {
   return exchange.operation == Operation::read   ? 1
@@ -136,7 +136,8 @@ std::size_t reply_words(const Exchange& exchange) noexcept {
 // The bytes of the number of executed words, with which the reply to a list begins.
 std::size_t done_bytes(const Exchange& exchange) noexcept {
   const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
-                    exchange.operation == Operation::list;
+                    exchange.operation == Operation::list ||
+                    (exchange.operation == Operation::forward && exchange.kind == request_kind::list);
   return list ? 2 : 0;
 }
 
@@ -182,6 +183,7 @@ std::uint8_t framed_kind(const Exchange& exchange) noexcept {
     case Operation::read_control: return request_kind::read_control;
     case Operation::write_control: return request_kind::write_control;
     case Operation::close_session: return request_kind::close;
+    case Operation::forward: return exchange.kind;
     default: return request_kind::sync;
   }
 }
@@ -228,6 +230,7 @@ void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configur
       encoder.word(exchange.address, 2).word(static_cast<std::uint32_t>(exchange.values.size()), 1);
       break;
     case Operation::write_control: encoder.word(exchange.address, 2).word(exchange.value, 4); break;
+    case Operation::forward: encoder.bytes(exchange.body); break;
     default: break;
   }
 }
@@ -240,6 +243,7 @@ std::size_t reply_bytes(const Exchange& exchange, const Configuration& configura
     case Operation::list: return done_bytes(exchange) + reply_words(exchange) * configuration.data_bytes;
     case Operation::exchange: return bytes_of(exchange.inputs);
     case Operation::read_control: return 4 * exchange.values.size();
+    case Operation::forward: return exchange.answer.size();
     case Operation::synchronise: return sync_reply_bytes;
     default: return 0;
   }
@@ -254,11 +258,13 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
       return false;
     }
     exchange.words = executed(status) && list ? number_at(body.data(), 2) : 0;
+    exchange.reply_status = status;
     return true;
   }
   if (body.size() != reply_bytes(exchange, configuration)) {
     return false;
   }
+  exchange.reply_status = status;
   switch (exchange.operation) {
     case Operation::read: exchange.value = number_at(body.data(), width); return true;
     case Operation::read_many:
@@ -286,6 +292,7 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
         exchange.values[index] = number_at(body.data() + 4 * index, 4);
       }
       return true;
+    case Operation::forward: std::copy(body.begin(), body.end(), exchange.answer.begin()); return true;
     case Operation::synchronise:
       exchange.words = number_at(body.data() + 2, 2);
       exchange.value = number_at(body.data() + 4, 2);

@@ -208,6 +208,9 @@ void Link::wake() noexcept { signal(wake_descriptor_.get()); }
 // Sends the bytes of the engine, as many as the driver takes.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
+  if (now < silent_until_ns_) {
+    return;
+  }
   if (!program_lives() && line_ != Line::gone && !engine_->ended()) {
     lose(Status::closed,
          in_words([&] { return "the program gave no sign of life for " + duration_text(program_patience_ns_); }));
@@ -231,14 +234,16 @@ void Link::flush(std::uint64_t now) noexcept {
 }
 
 // Leads once: waits at the descriptor, reads, dispatches, sends. It gives the lock back only while it waits and reads.
-void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
+// It also ends when `other` is readable (-1: none).
+void Link::lead(Lock& lock, std::uint64_t until_ns, int other) noexcept {
   leading_ = true;
   const std::uint64_t until = std::min({until_ns, engine_->next_deadline_ns(), program_until_ns_.load()});
   leading_until_ns_ = until;
   const std::uint64_t completed = engine_->completed();
   const std::uint64_t published = engine_->statistics().publishes;
-  pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
-                       {wake_descriptor_.get(), POLLIN, 0}};
+  pollfd waiting[3] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
+                       {wake_descriptor_.get(), POLLIN, 0},
+                       {other, POLLIN, 0}};
   // not in robot time, because it advances only while the callers sleep
   const bool paced = callers_ > 0 && !reader_leading_ && clock_ == &real_ns;
   const std::uint64_t start = paced ? real_ns() : 0;

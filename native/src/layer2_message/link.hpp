@@ -176,6 +176,9 @@ class Link {
   // Allows writes again after the dead-man has tripped, and starts it again. If it tripped in the open session, a new
   // session begins.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
+  // Makes the outputs safe now, as the dead-man does. Nothing is sent for the time that this takes: two ticks of the
+  // base frequency and 0.4 ms. mismatch: the gateware has no dead-man.
+  [[nodiscard]] Outcome trip(const RequestOptions& how);
   // The dead-man watches the link. This call makes the link also watch the program. If alive() is not called for
   // `patience_s`, the link gives its line up. With reconnect=1 the line is opened again at the next call of alive(),
   // else the link ends. 0: the program is not watched. range: more than an hour.
@@ -245,6 +248,21 @@ class Link {
   // they give their request up.
   static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
+  // For a thread with a loop of its own (link_attend.cpp), such as a server's. It keeps the role of the leader from
+  // one call of attend() to the next, so no other thread reads meanwhile.
+  //
+  // Adds a request. It is sent in the next call of attend(). `on_done` is called in the thread that reads.
+  void enqueue(Exchange& exchange);
+  // Sends what is queued. Waits for the device, for `other` to be readable, or until `until_ns`. `looking`: answers are
+  // expected, so it looks before it sleeps. False: the line is gone, or the link has ended.
+  bool attend(int other, std::uint64_t until_ns, bool looking);
+  // Lets other threads read. Call it before any other method of the link that waits for an answer.
+  void leave();
+  // Gives a queued request up, as withdraw() does.
+  void withdraw(Exchange& exchange);
+  // From now on `tap` gets the publishes of a framed link instead of drain(). nullptr: as before.
+  void tap_publishes(PublishTap* tap);
+
   // The time of deadlines and publishes: real time, or the robot time of the virtual boards in this process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
 
@@ -266,7 +284,7 @@ class Link {
   void turn(Lock& lock, std::uint64_t until_ns) noexcept;
   void wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept;
   void flush(std::uint64_t now) noexcept;
-  void lead(Lock& lock, std::uint64_t until_ns) noexcept;
+  void lead(Lock& lock, std::uint64_t until_ns, int other = -1) noexcept;
   [[nodiscard]] static bool interrupted(Lock& lock) noexcept;
   void hand_over() noexcept;
   void wake() noexcept;
@@ -380,9 +398,11 @@ class Link {
   std::atomic<std::uint64_t> program_until_ns_ = Engine::no_deadline;
   ReplyPace pace_;
   bool leading_ = false;
-  bool blocked_ = false;  // the driver has no room for more bytes
+  bool blocked_ = false;                            // the driver has no room for more bytes
+  std::atomic<std::uint64_t> silent_until_ns_ = 0;  // nothing is sent before this time
   std::uint64_t leading_until_ns_ = 0;
   bool reader_leading_ = false;  // the leader does not wait for an answer
+  bool attended_ = false;        // the leader is a thread that calls attend()
   bool reader_rests_ = false;    // while another thread waits for publishes and reads
   unsigned followers_ = 0;       // threads that wait for turn_
   unsigned callers_ = 0;         // threads that wait for answers, the leader included

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What only the framed protocol can do, and what a classic link does instead.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/failure.hpp"
@@ -14,6 +16,7 @@ constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operati
 
 constexpr std::size_t words_max = 255;  // most words in one operation
 constexpr std::size_t posts_per_flush = 256;
+constexpr std::uint64_t silence_margin_ns = 400'000;
 constexpr double ticks_max = 4294967295.0;  // periods of the base frequency
 
 }  // namespace
@@ -290,6 +293,34 @@ Outcome Link::arm(const RequestOptions& how) {
     start_reader();
   }
   return outcome;
+}
+
+Outcome Link::trip(const RequestOptions& how) {
+  if (!framed_ || (description_.features & protocol::control_value::feature_deadman) == 0) {
+    return framed_ ? Outcome{Status::mismatch, "this gateware was built without a dead-man"}
+                   : framed_only("a dead-man");
+  }
+  const std::uint64_t tick_ns = 1'000'000'000 / std::max<std::uint64_t>(1, configuration_.base_hz);
+  for (std::uint32_t attempt = 0; attempt < options_.attempts; ++attempt) {
+    Outcome outcome = write_control(protocol::control::deadman_ticks, 1, how);
+    if (!outcome.ok()) {  // denied: it has tripped already
+      return outcome.status == Status::denied ? Outcome{} : outcome;
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      dead_man_ticks_ = 0;
+      framed_->stop_signs_of_life();
+      silent_until_ns_ = now_ns() + 2 * tick_ns + silence_margin_ns;
+    }
+    while (now_ns() < silent_until_ns_) {
+      std::this_thread::sleep_for(std::chrono::nanoseconds(silence_margin_ns / 4));
+    }
+    std::uint32_t state = 0;
+    if (outcome = read_control(protocol::control::arm, std::span(&state, 1), how); !outcome.ok() || (state & 1) != 0) {
+      return outcome;
+    }
+  }
+  return {Status::timeout, "the device's dead-man does not trip, although nothing is sent to it"};
 }
 
 ClockState Link::clock() {

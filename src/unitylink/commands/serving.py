@@ -77,15 +77,15 @@ def endpoint_of(
             raise click.UsageError("--bind goes with --tcp or --udp")
         return f"pty:{pty}", _LOOPBACK
     kind = given[0] if given else "tcp"
-    host, port = _place(kind, tcp if tcp is not None else udp if udp is not None else "0")
+    host, port = place_of(kind, tcp if tcp is not None else udp if udp is not None else "0")
     if host is not None and bind is not None and host != bind:
         raise click.UsageError(f"--{kind} says {host} and --bind says {bind}; leave the host out of --{kind}")
-    if host is not None and bind is None and not _is_loopback(host):
+    if host is not None and bind is None and not is_loopback(host):
         raise click.UsageError(
             f"{host} is not a loopback address: other machines could reach the board; if you want that: "
             f"--{kind} {port} --bind {host} --anyone"
         )
-    if bind is not None and not _is_loopback(bind):
+    if bind is not None and not is_loopback(bind):
         if not anyone:
             raise click.UsageError(
                 f"--bind {bind}: everybody who reaches this machine over a network could command the board, "
@@ -95,7 +95,7 @@ def endpoint_of(
     return f"{kind}:{port}", bind or host or _LOOPBACK
 
 
-def _place(kind: str, text: str) -> tuple[str | None, int]:
+def place_of(kind: str, text: str) -> tuple[str | None, int]:
     """Split `[HOST:]PORT`."""
     host, colon, port = text.rpartition(":")
     if not port.isdecimal() or int(port) > 65535:
@@ -105,7 +105,7 @@ def _place(kind: str, text: str) -> tuple[str | None, int]:
     return (host.strip("[]") or None) if colon else None, int(port)
 
 
-def _is_loopback(host: str) -> bool:
+def is_loopback(host: str) -> bool:
     if host == "localhost":
         return True
     try:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from .events import EventCallback, EventListener, LinkEvent, events_of
 
 if TYPE_CHECKING:
-    from unitylink._native import NativeLink
+    from unitylink._native import BoardServer, NativeLink
 
     from .callbacks import CallbackThread
 
@@ -47,6 +47,15 @@ class Line:
         It changes after each restart of the device, and each time a lost line has come back.
         """
         return self._native.generation
+
+    def serve(self) -> BoardServer:
+        """Return a native server for many clients on this link. Close it before the link.
+
+        Only `unitylink.server` uses it. Raises DeviceMismatch if the link is not framed.
+        """
+        from unitylink._native import BoardServer
+
+        return BoardServer(self._native)
 
     def watch_program(self, patience_s: float) -> None:
         """From now on, give up the line if `alive` is not called for `patience_s`. 0: never.

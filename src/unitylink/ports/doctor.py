@@ -128,6 +128,9 @@ def examine(
     ).examine()
 
 
+_FRAMED_ONLY = ("rs485", "serve")
+
+
 @dataclass
 class _Doctor:
     place: _Place
@@ -206,8 +209,8 @@ class _Doctor:
 
     def device(self) -> list[Finding]:
         place = self.place
-        if place.scheme == "rs485":
-            return self.node()
+        if place.scheme in _FRAMED_ONLY:
+            return self.by_frames()
         try:
             driver = self.open_driver(place.url)
         except LinkError as error:
@@ -232,8 +235,8 @@ class _Doctor:
             found += self.against_spec(self.spec)
         return found
 
-    def node(self) -> list[Finding]:
-        """Ask a node on an RS-485 pair. It knows only frames, so this tells only whether it answers."""
+    def by_frames(self) -> list[Finding]:
+        """Ask a node on a pair, or a server. They know only frames, so this tells whether they answer."""
         self.say("asking for its configuration")
         try:
             self.open_link(self.place.url).close()

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The native server for Python: the door, a login at it, and the server of a board.
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <utility>
+
+#include "bindings.hpp"
+#include "server/board_server.hpp"
+#include "server/door.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+namespace {
+
+using namespace unitylink::server;
+
+Door* open_door(const std::string& host, std::uint16_t port) {
+  std::optional<Door> door;
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = Door::open(host, port, door);
+  }
+  raise_unless_ok(outcome);
+  return new Door(std::move(*door));
+}
+
+nb::object wait(Door& door, double timeout_s) {
+  std::optional<Knock> knock;
+  {
+    GilRelease release;
+    knock = door.wait(static_cast<std::uint64_t>(timeout_s * 1e9));
+  }
+  return knock ? nb::cast(std::move(*knock)) : nb::none();
+}
+
+using Ranges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+Addresses addresses_of(const Ranges& pairs) {
+  std::vector<Addresses::Range> ranges;
+  for (const auto& [first, last] : pairs) {
+    ranges.push_back({first, last});
+  }
+  return Addresses(std::move(ranges));
+}
+
+// Addresses are pairs (first, last), rising and apart.
+Grant grant_of(const Ranges& reads, const Ranges& writes, bool arm) {
+  return {.reads = addresses_of(reads), .writes = addresses_of(writes), .arm = arm};
+}
+
+nb::dict dict_of(const ClientReport& client) {
+  nb::dict result;
+  result["id"] = client.id;
+  result["name"] = client.name;
+  result["since_s"] = static_cast<double>(client.since_ns) * 1e-9;
+  result["dead_man"] = client.dead_man;
+  result["unsent"] = client.unsent;
+  result["requests"] = client.counters.requests;
+  result["refused"] = client.counters.refused;
+  result["repeats"] = client.counters.repeats;
+  result["discarded"] = client.counters.discarded;
+  result["publishes"] = client.counters.publishes;
+  result["publishes_lost"] = client.counters.publishes_lost;
+  return result;
+}
+
+nb::dict report(BoardServer& server) {
+  ServerReport told;
+  {
+    GilRelease release;
+    told = server.report();
+  }
+  nb::dict result;
+  nb::list clients;
+  for (const ClientReport& client : told.clients) {
+    clients.append(dict_of(client));
+  }
+  result["clients"] = clients;
+  result["groups"] = told.groups;
+  result["trips"] = told.trips;
+  result["dropped_silent"] = told.dropped_silent;
+  result["dropped_lost"] = told.dropped_lost;
+  result["served"] = told.served;
+  return result;
+}
+
+// Releases the GIL when it is destroyed, because its thread may be in a call of the link.
+class PythonServer {
+ public:
+  explicit PythonServer(Link& link) : server(link) {}
+  ~PythonServer() {
+    const GilRelease released;
+    server.close();
+  }
+  BoardServer server;
+};
+
+PythonServer* make_server(Link& link) {
+  if (!link.framed()) {
+    raise_unless_ok({Status::mismatch, std::string("a server needs gateware with the framed protocol; this link ") +
+                                           "speaks the " + link.protocol() + " one"});
+  }
+  return new PythonServer(link);
+}
+
+}  // namespace
+
+void bind_server(nb::module_& module) {
+  using namespace nb::literals;
+  nb::class_<Knock>(module, "Knock", "A client at the door of a server, which waits for an answer.")
+      .def_ro("peer", &Knock::peer)
+      .def_prop_ro("version", [](const Knock& self) { return self.login.version; })
+      .def_prop_ro("board", [](const Knock& self) { return self.login.board; })
+      .def_prop_ro("token", [](const Knock& self) { return self.login.token; })
+      .def(
+          "refuse",
+          [](Knock& self, const std::string& reason, const std::string& text) {
+            Door::refuse(std::move(self), reason, text);
+          },
+          "reason"_a, "text"_a);
+  nb::class_<Door>(module, "Door", "Where the clients of a server come in.")
+      .def(nb::new_(&open_door), "host"_a, "port"_a)
+      .def_prop_ro("place", &Door::place)
+      .def("wait", &wait, "timeout_s"_a)
+      .def_prop_ro("turned_away", &Door::turned_away);
+  nb::class_<PythonServer>(module, "BoardServer", "One board and its clients, in a thread of its own.")
+      .def(nb::new_(&make_server), "link"_a, nb::keep_alive<1, 2>())
+      .def(
+          "admit",
+          [](PythonServer& self, Knock& knock, const std::string& name, const Ranges& reads, const Ranges& writes,
+             bool arm, const std::string& text) -> std::uint64_t {
+            Grant grant = grant_of(reads, writes, arm);
+            Descriptor socket = Door::admit(std::move(knock), text);
+            const GilRelease release;
+            return self.server.admit(std::move(socket), name, std::move(grant));
+          },
+          "knock"_a, "name"_a, "reads"_a, "writes"_a, "arm"_a, "text"_a)
+      .def(
+          "set_grant",
+          [](PythonServer& self, std::uint64_t id, const Ranges& reads, const Ranges& writes, bool arm) {
+            Grant grant = grant_of(reads, writes, arm);
+            const GilRelease release;
+            return self.server.set_grant(id, std::move(grant));
+          },
+          "id"_a, "reads"_a, "writes"_a, "arm"_a)
+      .def(
+          "drop",
+          [](PythonServer& self, std::uint64_t id) {
+            const GilRelease release;
+            return self.server.drop(id);
+          },
+          "id"_a)
+      .def("stop_outputs", [](PythonServer& self) { self.server.stop_outputs(); })
+      .def("report", [](PythonServer& self) { return report(self.server); })
+      .def("close", [](PythonServer& self) {
+        const GilRelease release;
+        self.server.close();
+      });
+}
+
+}  // namespace unitylink::python

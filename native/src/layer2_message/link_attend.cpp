@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A link in the loop of another thread, such as a server's. This thread leads for a long time. It waits for the device
+// and for its own descriptors at once, so no message has to be handed from one thread to another.
+#include <algorithm>
+#include <chrono>
+
+#include "layer0_driver/polling.hpp"
+#include "layer2_message/link.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::uint64_t gone_look_ns = 20'000'000;  // how often the thread checks whether the line is back
+
+}  // namespace
+
+void Link::enqueue(Exchange& exchange) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t now = now_ns();
+  if (takes_requests()) {
+    engine_->submit(exchange, now);
+  } else {
+    engine_->decline(exchange, Status::down, now);
+  }
+}
+
+bool Link::attend(int other, std::uint64_t until_ns, bool looking) {
+  Lock lock(mutex_);
+  if (!attended_) {
+    ++listeners_;  // so that the reader rests, and does not read again at once
+    while (leading_) {
+      wake();
+      ++followers_;
+      turn_.wait(lock);
+      --followers_;
+    }
+    attended_ = leading_ = true;
+  }
+  flush(now_ns());
+  if (engine_->ended() || line_ != Line::up) {
+    lock.unlock();
+    leave();
+    const std::uint64_t now = now_ns();
+    pollfd waiting{other, POLLIN, 0};
+    static_cast<void>(poll_for(std::span(&waiting, 1), std::min(gone_look_ns, until_ns - std::min(until_ns, now))));
+    return false;
+  }
+  callers_ += looking ? 1 : 0;
+  lead(lock, until_ns, other);
+  callers_ -= looking ? 1 : 0;
+  leading_ = true;  // lead() ends the role
+  return true;
+}
+
+void Link::leave() {
+  const std::scoped_lock lock(mutex_);
+  if (!attended_) {
+    return;
+  }
+  attended_ = leading_ = false;
+  --listeners_;
+  turn_.notify_all();
+  idle_.notify_all();
+}
+
+void Link::withdraw(Exchange& exchange) {
+  const std::scoped_lock lock(mutex_);
+  if (!exchange.done()) {
+    engine_->withdraw(std::span(&exchange, 1), now_ns());
+  }
+}
+
+void Link::tap_publishes(PublishTap* tap) {
+  const std::scoped_lock lock(mutex_);
+  engine_->tap(tap);
+}
+
+}  // namespace unitylink

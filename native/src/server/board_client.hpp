@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A client of a board server: its socket and its session. Only the files of BoardServer use it.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "server/board_server.hpp"
+
+namespace unitylink::server {
+
+struct BoardServer::Client {
+  Client(Host& host, Descriptor taken, std::string called, Grant grant, std::uint64_t number)
+      : socket(std::move(taken)),
+        name(std::move(called)),
+        id(number),
+        since_ns(real_ns()),
+        session(host, std::move(grant), static_cast<std::uint16_t>(std::random_device()())) {}
+
+  Descriptor socket;
+  std::string name;
+  std::uint64_t id;
+  std::uint64_t since_ns;
+  Session session;
+  std::uint32_t watched = 0;   // events of epoll
+  std::uint64_t stuck_ns = 0;  // since when it has taken nothing of what waits for it; 0: nothing waits
+  bool gone = false;
+  bool silent = false;  // it did not take what was sent
+};
+
+}  // namespace unitylink::server

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What concerns the outputs of the board: the dead-man that its clients share, and the groups that it publishes.
+//
+// Each client may have a dead-man. The server watches each by the frames of its own client, so no client keeps
+// another's awake. If one trips, the board's trips. The board has one dead-man, with the shortest limit of all. It
+// watches the server: if the server ends or hangs, it trips by itself.
+#include <algorithm>
+#include <utility>
+
+#include "server/board_client.hpp"
+
+namespace unitylink::server {
+
+namespace status = protocol::reply_status;
+
+namespace {
+
+constexpr std::uint32_t unknown_ticks = 0xFFFFFFFF;  // arming starts the dead-man with its last limit
+
+std::uint32_t status_of(const Outcome& outcome) noexcept {
+  switch (outcome.status) {
+    case Status::ok: return status::ok;
+    case Status::denied: return status::denied;
+    case Status::mismatch: return status::no_group;
+    case Status::range:
+    case Status::protocol_error: return status::invalid;
+    default: return Host::unanswered;
+  }
+}
+
+}  // namespace
+
+std::uint32_t BoardServer::define_group(Session& session, std::uint32_t group, std::span<const std::uint32_t> addresses,
+                                        std::uint32_t divisor, bool on_event) {
+  fan_out_.remove({&session, group});
+  if (addresses.empty() || (divisor == 0 && !on_event)) {
+    return status::ok;
+  }
+  FanOut::Definition definition{{addresses.begin(), addresses.end()}, divisor, std::nullopt};
+  if (on_event) {
+    definition.event = group;
+  }
+  return status_of(fan_out_.add({&session, group}, std::move(definition)));
+}
+
+std::uint32_t BoardServer::set_dead_man() {
+  std::uint32_t least = 0;
+  for (const auto& client : clients_) {
+    const std::uint32_t ticks = client->gone ? 0 : client->session.dead_man_ticks();
+    least = ticks > 0 && (least == 0 || ticks < least) ? ticks : least;
+  }
+  if (least == board_ticks_) {
+    return status::ok;
+  }
+  Link& link = upstream_.link();
+  link.leave();
+  const double ticks = least == 0 ? 0 : static_cast<double>(least) - 0.5;  // it is rounded up
+  const Outcome outcome = link.set_dead_man(ticks / static_cast<double>(facts_.configuration.base_hz), {});
+  if (outcome.ok()) {
+    board_ticks_ = least;
+  } else if (outcome.status == Status::denied) {
+    notice_trip();
+  }
+  return status_of(outcome);
+}
+
+std::uint32_t BoardServer::arm() {
+  Link& link = upstream_.link();
+  link.leave();
+  const Outcome outcome = link.arm({});
+  if (outcome.ok()) {
+    tripped_ = false;
+    generation_ = link.generation();  // arming may have begun another session, which is no restart
+    board_ticks_ = unknown_ticks;
+    return set_dead_man();
+  }
+  return status_of(outcome);
+}
+
+void BoardServer::notice_trip() noexcept {
+  if (std::exchange(tripped_, true)) {
+    return;
+  }
+  report_.trips += 1;
+  board_ticks_ = 0;
+  for (const auto& client : clients_) {
+    client->session.stop_dead_man();
+  }
+}
+
+void BoardServer::look_at_dead_men() {
+  const std::uint64_t now = upstream_.link().now_ns();
+  for (const auto& client : clients_) {
+    trip_wanted_ = trip_wanted_ || client->session.dead_man_due_ns() <= now;
+  }
+}
+
+void BoardServer::make_safe() {
+  if (!trip_wanted_.exchange(false)) {
+    return;
+  }
+  Link& link = upstream_.link();
+  link.leave();
+  if (link.trip({}).status != Status::mismatch) {  // after any other failure the board's own dead-man trips
+    notice_trip();
+  }
+}
+
+}  // namespace unitylink::server

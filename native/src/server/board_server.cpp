@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/board_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <utility>
+
+#include "server/board_client.hpp"
+
+namespace unitylink::server {
+
+namespace {
+
+constexpr std::uint64_t patience_ns = 4'000'000'000;  // for a client that takes nothing of what is sent to it
+constexpr std::uint64_t look_most_ns = 1'000'000'000;
+
+}  // namespace
+
+BoardServer::BoardServer(Link& link)
+    : facts_{link.configuration(), link.description()},
+      upstream_(link),
+      fan_out_(link),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      generation_(link.generation()) {
+  epoll_event event{.events = EPOLLIN, .data = {.ptr = nullptr}};
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_.get(), &event);
+  thread_ = std::thread([this] { run(); });
+}
+
+BoardServer::~BoardServer() { close(); }
+
+void BoardServer::wake() noexcept {
+  const std::uint64_t one = 1;
+  static_cast<void>(!::write(wake_.get(), &one, sizeof one));
+}
+
+// ---- called by other threads
+
+std::uint64_t BoardServer::admit(Descriptor socket, std::string name, Grant grant) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t id = ++clients_made_;
+  admitted_.push_back(std::make_unique<Client>(*this, std::move(socket), std::move(name), std::move(grant), id));
+  report_.served += 1;
+  wake();
+  return id;
+}
+
+bool BoardServer::set_grant(std::uint64_t id, Grant grant) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find_if(clients_, [id](const auto& client) { return client->id == id; });
+  if (found == clients_.end()) {
+    return false;
+  }
+  (*found)->session.set_grant(std::move(grant));
+  return true;
+}
+
+bool BoardServer::drop(std::uint64_t id) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find_if(clients_, [id](const auto& client) { return client->id == id; });
+  if (found == clients_.end()) {
+    return false;
+  }
+  (*found)->gone = true;
+  wake();
+  return true;
+}
+
+void BoardServer::stop_outputs() {
+  trip_wanted_ = true;
+  wake();
+}
+
+ServerReport BoardServer::report() {
+  const std::scoped_lock lock(mutex_);
+  ServerReport told = report_;
+  for (const auto& client : clients_) {
+    told.clients.push_back({.id = client->id,
+                            .name = client->name,
+                            .since_ns = client->since_ns,
+                            .dead_man = client->session.dead_man_ticks() > 0,
+                            .unsent = client->session.output().size(),
+                            .counters = client->session.counters()});
+  }
+  told.groups = fan_out_.groups();
+  return told;
+}
+
+void BoardServer::close() {
+  ending_ = true;
+  wake();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+// ---- the thread
+
+void BoardServer::run() {
+  Link& link = upstream_.link();
+  while (!ending_) {
+    bool looking = false;
+    std::uint64_t until_ns = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      looking = upstream_.under_way() > 0;
+      until_ns = due_ns();
+    }
+    const bool up = link.attend(epoll_.get(), until_ns, looking);
+    const std::scoped_lock lock(mutex_);
+    turn(up);
+  }
+  const std::scoped_lock lock(mutex_);
+  for (const auto& client : clients_) {
+    trip_wanted_ = trip_wanted_ || client->session.dead_man_ticks() > 0;
+  }
+  make_safe();
+  while (!clients_.empty()) {
+    drop_client(clients_.size() - 1);
+  }
+  admitted_.clear();
+  while (upstream_.under_way() > 0 && link.attend(-1, link.now_ns() + look_most_ns, false)) {
+    harvest();
+  }
+  harvest();
+  link.leave();
+}
+
+void BoardServer::turn(bool up) {
+  harvest();
+  if (!up || generation_ != upstream_.link().generation()) {
+    generation_ = upstream_.link().generation();
+    board_ticks_ = 0;
+    for (const auto& client : clients_) {
+      client->gone = true;
+      report_.dropped_lost += 1;
+    }
+  }
+  wait_for_descriptors();
+  admit_waiting();
+  look_at_dead_men();
+  make_safe();
+  for (const auto& client : clients_) {
+    if (!client->gone) {
+      send(*client);
+    }
+  }
+  for (std::size_t index = clients_.size(); index-- > 0;) {
+    const Client& client = *clients_[index];
+    if (client.session.lost()) {
+      report_.dropped_lost += client.gone ? 0 : 1;
+    } else if (!client.gone) {
+      continue;
+    }
+    report_.dropped_silent += client.silent ? 1 : 0;
+    drop_client(index);
+  }
+  make_safe();
+}
+
+// When the thread must look again, even if nothing arrives.
+std::uint64_t BoardServer::due_ns() const noexcept {
+  const std::uint64_t now = upstream_.link().now_ns();
+  std::uint64_t due = now + look_most_ns;
+  for (const auto& client : clients_) {
+    due = std::min(due, client->session.dead_man_due_ns());
+  }
+  return trip_wanted_ ? now : due;
+}
+
+void BoardServer::harvest() {
+  const Upstream::Harvest& arrived = upstream_.harvest();
+  for (Errand* const errand : arrived.done) {
+    if (errand->session != nullptr) {
+      errand->session->finish(*errand);
+    }
+    upstream_.recycle(*errand);
+  }
+  for (const Upstream::Publish& publish : arrived.publishes) {
+    const auto words = std::span(arrived.words).subspan(publish.begin, publish.end - publish.begin);
+    for (const FanOut::Reader& reader : fan_out_.readers(publish.group)) {
+      reader.session->publish(reader.group, publish.missing, publish.clock, words);
+    }
+  }
+}
+
+void BoardServer::wait_for_descriptors() {
+  std::array<epoll_event, 64> events;
+  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
+  for (int index = 0; index < count; ++index) {
+    auto* const client = static_cast<Client*>(events[static_cast<std::size_t>(index)].data.ptr);
+    if (client == nullptr) {
+      std::uint64_t woken = 0;
+      static_cast<void>(!::read(wake_.get(), &woken, sizeof woken));
+    } else if (!client->gone) {
+      receive(*client);
+    }
+  }
+}
+
+void BoardServer::admit_waiting() {
+  for (std::unique_ptr<Client>& client : admitted_) {
+    epoll_event event{.events = EPOLLIN, .data = {.ptr = client.get()}};
+    client->watched = EPOLLIN;
+    client->gone = ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client->socket.get(), &event) != 0;
+    clients_.push_back(std::move(client));
+  }
+  admitted_.clear();
+}
+
+void BoardServer::receive(Client& client) {
+  std::array<std::uint8_t, 16384> room;
+  if (!client.session.wants_bytes()) {
+    return;
+  }
+  const ssize_t count = ::recv(client.socket.get(), room.data(), room.size(), 0);
+  if (count > 0) {
+    client.session.take(std::span(room).first(static_cast<std::size_t>(count)), upstream_.link().now_ns());
+    make_safe();
+  } else if (count == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+    client.gone = true;
+  }
+}
+
+void BoardServer::send(Client& client) {
+  while (!client.session.output().empty()) {
+    const std::span<const std::uint8_t> bytes = client.session.output();
+    const ssize_t count = ::send(client.socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (count > 0) {
+      client.session.sent(static_cast<std::size_t>(count));
+      client.stuck_ns = 0;
+      continue;
+    }
+    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
+      client.gone = true;
+      return;
+    }
+    break;
+  }
+  const bool blocked = !client.session.output().empty();
+  const std::uint64_t now = real_ns();
+  client.stuck_ns = !blocked ? 0 : client.stuck_ns == 0 ? now : client.stuck_ns;
+  client.silent = blocked && now - client.stuck_ns > patience_ns;
+  client.gone = client.gone || client.silent;
+  watch(client, (client.session.wants_bytes() ? EPOLLIN : 0u) | (blocked ? EPOLLOUT : 0u));
+}
+
+void BoardServer::watch(Client& client, std::uint32_t wanted) {
+  if (client.watched != wanted) {
+    client.watched = wanted;
+    epoll_event event{.events = wanted, .data = {.ptr = &client}};
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, client.socket.get(), &event);
+  }
+}
+
+// A client whose dead-man runs has left without CLOSE, so it is dead.
+void BoardServer::drop_client(std::size_t index) {
+  const std::unique_ptr<Client> client = std::move(clients_[index]);
+  clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
+  upstream_.abandon(client->session);
+  fan_out_.remove(client->session);
+  trip_wanted_ = trip_wanted_ || client->session.dead_man_ticks() > 0;
+}
+
+}  // namespace unitylink::server

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One board and its clients, in one thread. This thread waits for all of them at once and leads the link, so a request
+// passes from the client's socket to the board's line without being handed to another thread.
+//
+// All clients lose their connections when the line to the board is lost, when the board was reset, and when it did not
+// answer a client's request (that client alone). So nothing that a client asked for before that is sent after it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "layer0_driver/descriptor.hpp"
+#include "server/fan_out.hpp"
+#include "server/session.hpp"
+#include "server/upstream.hpp"
+
+namespace unitylink::server {
+
+struct ClientReport {
+  std::uint64_t id = 0;
+  std::string name;
+  std::uint64_t since_ns = 0;
+  bool dead_man = false;
+  std::size_t unsent = 0;  // bytes that the client has not taken
+  Counters counters;
+};
+
+struct ServerReport {
+  std::vector<ClientReport> clients;
+  std::size_t groups = 0;            // publish groups of the board that are in use
+  std::uint64_t trips = 0;           // of the dead-man, by this server or noticed by it
+  std::uint64_t dropped_silent = 0;  // clients that did not take what was sent
+  std::uint64_t dropped_lost = 0;    // clients dropped, because the line or an answer was lost
+  std::uint64_t served = 0;          // clients that have come so far
+};
+
+class BoardServer final : public Host {
+ public:
+  // The link must be framed. It must exist as long as the server.
+  explicit BoardServer(Link& link);
+  ~BoardServer();
+
+  // Takes a client that has logged in. `name` is for reports. Returns its number.
+  std::uint64_t admit(Descriptor socket, std::string name, Grant grant);
+  // Changes what a client may do. False: it is gone.
+  bool set_grant(std::uint64_t id, Grant grant);
+  bool drop(std::uint64_t id);
+  // Makes the outputs safe, as a dead-man would.
+  void stop_outputs();
+  [[nodiscard]] ServerReport report();
+  // Drops all clients and ends the thread. A dead-man that runs for a client trips first.
+  void close();
+
+ private:
+  struct Client;
+
+  // Host
+  [[nodiscard]] const Facts& facts() const noexcept override { return facts_; }
+  [[nodiscard]] Errand& errand() override { return upstream_.errand(); }
+  void discard(Errand& errand) override { upstream_.recycle(errand); }
+  void submit(Errand& errand) override { upstream_.submit(errand); }
+  void abandon(const Session& session) override { upstream_.abandon(session); }
+  [[nodiscard]] std::uint32_t define_group(Session& session, std::uint32_t group,
+                                           std::span<const std::uint32_t> addresses, std::uint32_t divisor,
+                                           bool on_event) override;
+  [[nodiscard]] std::uint32_t set_dead_man() override;
+  [[nodiscard]] std::uint32_t arm() override;
+  void trip() noexcept override { trip_wanted_ = true; }
+  [[nodiscard]] std::uint64_t trips() const noexcept override { return report_.trips; }
+  void notice_trip() noexcept override;
+
+  void run();
+  void turn(bool up);
+  void wait_for_descriptors();
+  void harvest();
+  void look_at_dead_men();
+  void make_safe();
+  void receive(Client& client);
+  void send(Client& client);
+  void watch(Client& client, std::uint32_t wanted);
+  void drop_where(bool (*wanted)(const Client&), std::uint64_t& count);
+  void drop_client(std::size_t index);
+  void admit_waiting();
+  [[nodiscard]] std::uint64_t due_ns() const noexcept;
+  void wake() noexcept;
+
+  Facts facts_;
+  Upstream upstream_;
+  FanOut fan_out_;
+  Descriptor epoll_;
+  Descriptor wake_;
+  std::atomic<bool> ending_ = false;
+  std::atomic<bool> trip_wanted_ = false;
+
+  std::mutex mutex_;  // guards all below; the thread holds it whenever it does not wait
+  std::vector<std::unique_ptr<Client>> clients_;
+  std::vector<std::unique_ptr<Client>> admitted_;
+  std::uint64_t clients_made_ = 0;
+  std::uint64_t generation_ = 0;
+  std::uint32_t board_ticks_ = 0;  // of the board's dead-man
+  bool tripped_ = false;
+  ServerReport report_;
+  std::thread thread_;
+};
+
+}  // namespace unitylink::server

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The publish groups of the board, and who gets their publishes. Equal definitions of several clients share one group,
+// so the line carries each publish once.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "layer2_message/link.hpp"
+
+namespace unitylink::server {
+
+class Session;
+
+class FanOut {
+ public:
+  struct Reader {
+    Session* session = nullptr;
+    std::uint32_t group = 0;  // as the client numbers it
+
+    friend bool operator==(const Reader&, const Reader&) = default;
+  };
+  struct Definition {
+    std::vector<std::uint32_t> addresses;
+    std::uint32_t divisor = 0;
+    std::optional<std::uint32_t> event;  // the group of the board, whose event input matters
+
+    friend bool operator==(const Definition&, const Definition&) = default;
+  };
+
+  explicit FanOut(Link& link) noexcept : link_(link) {}
+
+  // mismatch: the board has no group left. Other failures: it did not answer.
+  [[nodiscard]] Outcome add(const Reader& reader, Definition definition);
+  void remove(const Reader& reader);
+  void remove(const Session& session);
+  // Who gets the publishes of this group of the board.
+  [[nodiscard]] std::span<const Reader> readers(std::uint32_t group) const noexcept;
+  [[nodiscard]] std::size_t groups() const noexcept { return groups_.size(); }
+
+ private:
+  struct Group {
+    Definition definition;
+    std::uint32_t subscription = 0;
+    std::vector<Reader> readers;
+  };
+
+  void close_unread();
+
+  Link& link_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace unitylink::server

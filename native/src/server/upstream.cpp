@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "server/upstream.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace unitylink::server {
+namespace {
+
+constexpr std::size_t words_most = 1u << 20;  // bytes of publishes between two harvests; more are left out
+
+}  // namespace
+
+Errand& Upstream::errand() {
+  if (idle_.empty()) {
+    errands_.push_back(std::make_unique<Errand>());
+    idle_.push_back(errands_.back().get());
+    const std::scoped_lock lock(mutex_);
+    arrived_.done.reserve(errands_.size());  // on_done() must not allocate
+    harvested_.done.reserve(errands_.size());
+  }
+  Errand& errand = *idle_.back();
+  idle_.pop_back();
+  errand.exchange = Exchange{};
+  errand.body.clear();
+  errand.answer.clear();
+  errand.posts.clear();
+  errand.post_words.clear();
+  errand.home = this;
+  errand.session = nullptr;
+  return errand;
+}
+
+void Upstream::submit(Errand& errand) {
+  Exchange& exchange = errand.exchange;
+  exchange.operation = Operation::forward;
+  exchange.repeat = false;
+  exchange.body = errand.body;
+  exchange.answer = errand.answer;
+  exchange.attempts_max = link_.options().attempts;
+  exchange.owner = &errand;
+  exchange.on_done = &Upstream::on_done;
+  under_way_.push_back(&errand);
+  link_.enqueue(exchange);
+}
+
+void Upstream::abandon(const Session& session) {
+  for (Errand* const errand : under_way_) {
+    if (errand->session == &session) {
+      errand->session = nullptr;
+      link_.withdraw(errand->exchange);
+    }
+  }
+}
+
+void Upstream::on_done(Exchange& exchange) noexcept {
+  auto* const errand = static_cast<Errand*>(exchange.owner);
+  const std::scoped_lock lock(errand->home->mutex_);
+  errand->home->arrived_.done.push_back(errand);
+}
+
+void Upstream::on_publish(std::uint32_t group, std::uint32_t missing, std::uint32_t clock,
+                          std::span<const std::uint8_t> words) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (arrived_.words.size() + words.size() > words_most) {
+    return;
+  }
+  try {
+    const std::size_t begin = arrived_.words.size();
+    arrived_.words.insert(arrived_.words.end(), words.begin(), words.end());
+    arrived_.publishes.push_back({group, missing, clock, begin, arrived_.words.size()});
+  } catch (const std::bad_alloc&) {  // it is left out, and its readers see the gap in the sequence
+  }
+}
+
+const Upstream::Harvest& Upstream::harvest() {
+  harvested_.done.clear();
+  harvested_.publishes.clear();
+  harvested_.words.clear();
+  {
+    const std::scoped_lock lock(mutex_);
+    std::swap(arrived_, harvested_);
+  }
+  for (Errand* const errand : harvested_.done) {
+    under_way_.erase(std::find(under_way_.begin(), under_way_.end(), errand));
+  }
+  return harvested_;
+}
+
+}  // namespace unitylink::server

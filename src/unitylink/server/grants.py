@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the rights of a user to the addresses that the native server lets him use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from unitylink.protocol import TOSNET_STATUS
+from unitylink.spec.model import Element, LinkBinding, Spec
+
+from .scopes import Rights
+from .subtree import WHOLE
+
+Ranges = list[tuple[int, int]]  # first and last addresses, rising and apart
+EVERYTHING: Ranges = [(0, 0xFFFFFFFF)]
+
+
+@dataclass(frozen=True)
+class Grant:
+    """Addresses that a client may read and write, and whether it may arm the outputs after a stop."""
+
+    reads: Ranges
+    writes: Ranges
+    arm: bool
+
+
+def grant(spec: Spec, rights: Rights) -> Grant:
+    """Return what `rights` mean on the board of `spec`.
+
+    Who may use the whole robot may use every address, also those that the spec does not name. Who may use a
+    part may use the words of its items, and the words that commit them.
+
+    >>> from unitylink.spec import compile_text
+    >>> text = "public arm() { @power = 0x10: WRITE(); @limit = 0x12: i64 READWRITE(); }"
+    >>> grant(compile_text(text, "arm.ul").spec, Rights.of(["read", "write limit"]))
+    Grant(reads=[(0, 4294967295)], writes=[(18, 19)], arm=False)
+    """
+    return Grant(_ranges(spec, rights, "read"), _ranges(spec, rights, "write"), rights.allow("arm"))
+
+
+def _ranges(spec: Spec, rights: Rights, action: str) -> Ranges:
+    if rights.allow(action, WHOLE):
+        return EVERYTHING
+    mine = [element for path, element in spec.walk() if rights.allow(action, path)]
+    words = {address for element in mine for address in element.addresses}
+    return joined(words | set(_commits(mine)))
+
+
+def _commits(elements: Iterable[Element]) -> Iterable[int]:
+    """Yield the words that tell the state of a committed memory, and commit what was written to it."""
+    for link in {element.link for element in elements}:
+        if (word := _commit(link)) is not None:
+            yield word
+
+
+def _commit(link: LinkBinding) -> int | None:
+    if link.kind == "tosnet":
+        return link.base + TOSNET_STATUS
+    return link.base + link.size if link.kind == "double_buffer" else None
+
+
+def joined(words: Iterable[int]) -> Ranges:
+    """Return the ranges that have exactly these words.
+
+    >>> joined([5, 3, 4, 9])
+    [(3, 5), (9, 9)]
+    """
+    ranges: Ranges = []
+    for word in sorted(words):
+        if ranges and ranges[-1][1] == word - 1:
+            ranges[-1] = (ranges[-1][0], word)
+        else:
+            ranges.append((word, word))
+    return ranges

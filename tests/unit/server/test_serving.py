@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A server in front of a virtual board: what its clients can do, and what they cannot."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.unit.server.served import REFUSED, Served, served
+from unitylink import Link
+from unitylink.errors import (
+    AccessRefused,
+    BusError,
+    DeadManTripped,
+    DeviceMismatch,
+    LinkClosed,
+    LinkNotFound,
+    UrlError,
+)
+
+
+@pytest.fixture(scope="module")
+def one() -> Iterator[Served]:
+    with served() as all_of_it:
+        yield all_of_it
+
+
+def until(check: object, patience_s: float = 10.0) -> None:
+    end = time.monotonic() + patience_s
+    while not check():  # type: ignore[operator]
+        assert time.monotonic() < end, "it does not happen"
+        time.sleep(0.005)
+
+
+def test_two_clients_write_and_read(one: Served) -> None:
+    with one.link() as ana, one.link() as ben:
+        ana.write(0x1A, 5)
+        assert ben.read(0x1A) == 5 == one.board.registers[0x1A]
+        ben.write(0x1A, 6)
+        assert ana.read_many([0x1A, 0x1B], atomic=True).tolist() == [6, 0]
+        assert ana.description.window == one.robot.report()["statistics"]["sessions"] * 64
+
+
+def test_everything_that_a_framed_link_can_do(one: Served) -> None:
+    with one.link() as link:
+        link.write_many([0x40, 0x41, 0x42], [1, 2, 3])
+        with link.batch(atomic=True) as batch:
+            batch.write(0x43, 0xF0)
+            batch.add(0x40, 9)
+            read = batch.read(0x40)
+        assert read.value == 10
+        assert link.exchange(writes=[(0x44, 4)], reads=[0x44, 0x41], atomic=True).tolist() == [4, 2]
+        with link.exchange_group([(0x45, 2), (0x46, 4)], [(0x45, 4), (0x41, 1)]) as group:
+            assert group.exchange([0x1234, 7]).tolist() == [0x1234, 2]
+        health = link.health()
+        assert health is not None and health.frames > 0
+
+
+def test_posts_arrive_in_order_and_their_failures_are_told(one: Served) -> None:
+    with one.link() as link:
+        link.post_many([0x47] * 300, list(range(300)))
+        link.sync()
+        assert one.board.registers[0x47] == 299
+        for address in (0x48, REFUSED, 0x49):
+            link.post(address, 8)
+        with pytest.raises(BusError, match="1 post was refused"):
+            link.sync()
+        assert one.board.registers[0x48] == 8 == one.board.registers[0x49]
+
+
+def test_a_read_token_reads_only(one: Served) -> None:
+    with one.link("looks") as link:
+        assert link.read(0x50) == 0
+        for refused in (lambda: link.write(0x1A, 1), lambda: link.write_many([0x1A, 0x1B], [1, 2]), link.arm):
+            with pytest.raises(AccessRefused, match="not_allowed"):
+                refused()
+        with pytest.raises(AccessRefused):
+            link.set_dead_man(1)
+        assert link.read(0x50) == 0  # the link goes on
+
+
+def test_a_scope_is_a_range_of_addresses(one: Served) -> None:
+    with one.link("moves") as link:
+        link.write(0x1A, 3)
+        with pytest.raises(AccessRefused):
+            link.write(0x1B, 3)
+        with pytest.raises(AccessRefused):
+            link.write_many([0x1A, 0x1B], [8, 8])
+        assert one.board.registers[0x1A] == 3
+
+
+@pytest.mark.parametrize(
+    ("token", "name", "error", "words"),
+    [
+        ("wrong", "arm", AccessRefused, "the token is wrong"),
+        ("", "arm", AccessRefused, "the token is missing"),
+        ("all", "leg", LinkNotFound, "no board 'leg'; there are: arm"),
+        ("two words", "arm", AccessRefused, "not one word"),
+    ],
+)
+def test_who_is_not_let_in(one: Served, token: str, name: str, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        one.link(token, name=name)
+
+
+def test_a_token_from_a_file(one: Served, tmp_path: Path) -> None:
+    file = tmp_path / "mine"
+    file.write_text("looks\n")
+    with one.link("wrong", f"&token_file={file}") as link:
+        assert link.read(0x50) == 0
+    file.write_text("\n")
+    with pytest.raises(LinkNotFound, match="has no token"):
+        one.link("all", f"&token_file={file}")
+
+
+def test_a_server_with_one_board_needs_no_name(one: Served) -> None:
+    with one.link(name="") as link:
+        assert link.read(0x50) == 0
+
+
+def test_the_scheme_speaks_frames_only(one: Served) -> None:
+    with pytest.raises(UrlError, match="framed protocol only"):
+        one.link(options="&protocol=classic")
+
+
+def test_errors_of_the_board_reach_the_client(one: Served) -> None:
+    with one.link() as link:
+        for asked in (lambda: link.read(REFUSED), lambda: link.write(REFUSED, 1)):
+            with pytest.raises(BusError, match=f"0x{REFUSED:02x}"):
+                asked()
+        with pytest.raises(BusError, match="refused"):
+            link.write_many([0x40, REFUSED, 0x41], [7, 7, 7])
+        assert one.board.registers[0x40] == 7
+
+
+def test_equal_groups_are_one_group_of_the_board(one: Served) -> None:
+    with one.link() as ana, one.link() as ben:
+        with ana.subscribe([0x12, 0x13], divisor=10) as hers, ben.subscribe([0x12, 0x13], divisor=10) as his:
+            assert one.robot.report()["groups"] == 1
+            before = one.robot.report()["statistics"]["publishes"]
+            assert hers.wait(5) and his.wait(5)
+            until(lambda: hers.available >= 5 and his.available >= 5)
+            times, words = hers.drain()
+            assert words.shape[1] == 2 and hers.missing == 0 == his.missing
+            assert all(abs(times[i + 1] - times[i] - 0.01) < 0.005 for i in range(len(times) - 1))
+            sent = one.robot.report()["statistics"]["publishes"] - before
+            assert sent <= max(len(times), his.available) + 50
+            with ana.subscribe([0x12], divisor=10):
+                assert one.robot.report()["groups"] == 2
+        until(lambda: one.robot.report()["groups"] == 0)
+
+
+def test_a_board_without_a_free_group_says_so(one: Served) -> None:
+    with one.link() as ana, one.link() as ben:
+        held = [ana.subscribe([0x12 + n], divisor=100) for n in range(ana.configuration.groups)]
+        with pytest.raises(DeviceMismatch):
+            ana.subscribe([0x70], divisor=100)
+        with pytest.raises(Exception, match=r"no_group|no group"):
+            ben.subscribe([0x71], divisor=100)
+        ben.subscribe([0x12], divisor=100).close()  # an equal one is shared
+        for subscription in held:
+            subscription.close()
+
+
+def test_the_dead_man_of_one_client_is_not_fed_by_another(one: Served) -> None:
+    with one.link() as busy, one.link() as other:
+        other.write(0x1B, 77)
+        quiet = socket_of(one)
+        quiet.close()
+        other.set_dead_man(0.2)
+        freeze(other)
+        until(lambda: busy.dead_man().tripped)
+        assert one.board.registers[0x1B] == 0
+        with pytest.raises(DeadManTripped):
+            busy.write(0x1B, 1)
+        busy.arm()
+        busy.write(0x1B, 1)
+        assert one.board.registers[0x1B] == 1
+
+
+def test_what_is_no_login_is_turned_away(one: Served) -> None:
+    for said in (
+        b"GET / HTTP/1.1\r\n\r\n",
+        b"\0\x80\x03\x01\x01\n",
+        b"x" * 600,
+        b"unitylink-serve 1 arm all\nmore",
+    ):
+        with socket_of(one) as caller:
+            caller.sendall(said)
+            told = b""
+            with contextlib.suppress(ConnectionResetError):  # the rest of what it said was not read
+                while piece := caller.recv(1000):
+                    told += piece
+            assert not told.startswith(b"admitted")
+    with pytest.raises(LinkClosed):
+        Link(f"tcp://{one.server.place}?timeout=0.3&protocol=framed")
+
+
+def test_the_audit_log_names_who_came(one: Served) -> None:
+    with one.link("looks"):
+        pass
+    said = [json.loads(line) for line in one.lines]
+    assert {"user": "looks", "event": "login", "robot": "arm"}.items() <= said[-1].items()
+    assert all(entry.get("token") != "all" for entry in said)
+
+
+def socket_of(one: Served) -> socket.socket:
+    host, port = one.server.place.rsplit(":", 1)
+    return socket.create_connection((host, int(port)), timeout=10)
+
+
+def freeze(link: Link) -> None:
+    """Let a link give no more signs of life, as if its program hung, while its connection stays open."""
+    link.watch_program(0.01)
