@@ -69,7 +69,8 @@ package stepgen_pkg is
   -- Clocks of a base period that its work needs.
   function work_clocks (axes : positive) return positive;
 
-  -- The base rate is the largest that leaves the clocks for the work.
+  -- The base rate is the largest that leaves the clocks for the work. At most 2**22 Hz: in a word of 32 bits, a phase
+  -- needs a bit above it for the carry, and one for the borrow.
   function base_bits (axes : positive; clock_hz : positive) return positive;
 
   -- Clocks that last at least `time_ns`, and at least one. Any time up to 100 us.
@@ -96,7 +97,7 @@ package body stepgen_pkg is
 
   function base_bits (axes : positive; clock_hz : positive) return positive is
   begin
-    for bits in 24 downto 20 loop
+    for bits in 22 downto 20 loop
       if clock_hz / 2 ** bits >= work_clocks(axes) then
         return bits;
       end if;

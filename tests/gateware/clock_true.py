@@ -192,8 +192,9 @@ class Case:
     `values` has, for some addresses, the values that make the component do something. `pause` is the longest
     time in clocks between two blocks of accesses, and `quiet` that between two bursts on the pins. `wait` is
     the longest time for which a write waits for its answer, and for which any access waits after the reset.
-    `start` is that time of a component whose writes do not wait.
-    `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
+    `start` is that time of a component whose writes do not wait. `slow` is the longest time for which any
+    access waits, so no pin changes meanwhile. `first` is written at the start, and the pins `still` do not
+    change. `clocks` is how long the short form is.
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
     turns, turns back, and rests: its edges are so many clocks apart.
     """
@@ -207,6 +208,11 @@ class Case:
     program: str = ""
     start: int = 0
     shaft: Sequence[int] = ()
+    slow: int = 0
+    first: Mapping[int, int] = field(default_factory=dict)
+    still: Sequence[int] = ()
+    clocks: int = 20_000
+    clock_hz: int = 2_300_000  # so that a microsecond is no whole number of clocks
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -215,8 +221,14 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
     Pins change in bursts, some as fast as the clock.
     """
     draw = random.Random(seed)
-    pins = _shaft(draw, case, end) if case.shaft else _pins(draw, one, case, end)
-    found = [*_accesses(draw, one, case, end), *pins]
+    accesses = list(_accesses(draw, one, case, end))
+    busy = {at + more for at, what, _, _ in accesses if what in "rw" for more in range(case.slow + 2)}
+    pins = [
+        pin
+        for pin in (_shaft(draw, case, end) if case.shaft else _pins(draw, one, case, end))
+        if pin[2] not in case.still and not (case.slow and pin[0] in busy)
+    ]
+    found = [*accesses, *pins]
     order = {"p": 0, "c": 1, "r": 2, "w": 2}
     # a block is closed before anything else of its clock begins
     return sorted(found, key=lambda s: (s[0], order[s[1]] - (s[1] == "c" and s[3] == 0) * 2, s[2]))
@@ -224,7 +236,10 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
 
 def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:
     now = max(case.wait, case.start) + draw.randrange(4)
-    while now < end - 20 - 6 * case.wait:
+    for address, value in case.first.items():
+        yield now, "w", address, value
+        now += case.slow + 2
+    while now < end - 20 - 6 * (case.wait + case.slow):
         count = draw.choice((1, 1, 1, 2, 3, 6))
         if count > 1:
             yield now, "c", 0, 1
@@ -237,7 +252,7 @@ def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end:
                 value = draw.choice(known) if known and draw.random() < 0.9 else draw.getrandbits(32)
                 yield now, "w", address, value
                 now += case.wait
-            now += 2 + (draw.randrange(3) if draw.random() < 0.3 else 0)
+            now += case.slow + 2 + (draw.randrange(3) if draw.random() < 0.3 else 0)
         if count > 1:
             yield now, "c", 0, 0
         now += 1 + (draw.randrange(3) if draw.random() < 0.3 else draw.randrange(1, case.pause))

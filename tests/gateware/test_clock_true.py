@@ -29,7 +29,77 @@ CHECKED = "C064C00020005800D800C064C8002000580020001C01D005"
 SHORT = "C00AC000D800C014C8002090000020911C01D003"
 # Clocks between the edges of an encoder: short, about a window of 246 or 292 clocks, and about a stall.
 SHAFT = (1, 2, 3, 9, 27, 81, 200, 246, 247, 292, 293, 506, 507, 508, 598, 599, 600, 1500)
+# Words of an axis of stepgen: short and long ways, gentle and brutal ramps, both modes, each latch.
+STEPGEN_AXIS = {
+    0: (0, 1, 1, 1, 1, 3, 3, 5, 5, 7, 9, 0x11, 0x19, 0x1D),
+    1: (0, 1, 5, 40, 0xFFFFFFE0, 300, 0x80000000),
+    2: (1 << 24, 1 << 27, 0xFFFFFFF, 1 << 20, 0),
+    3: (1 << 14, 1 << 17, 0xFFFFF, 100, 0, 1),
+    4: (0, 1 << 24, 1 << 26, 0xFF000000, 0xF8000000, 0x80000000),
+    10: (1, 100, 0xFFFFFFFF),
+}
+
+
+def stepgen_values(axes: int) -> dict[int, tuple[int, ...]]:
+    return {16 * axis + word: values for axis in range(axes) for word, values in STEPGEN_AXIS.items()}
+
+
+def stepgen_start(axes: int) -> dict[int, int]:
+    words = {2: 0xFFFFFFF, 3: 0xFFFFF, 1: 9, 0: 1}
+    return {16 * axis + word: value for word, value in words.items() for axis in range(axes)}
+
+
 CASES = {
+    "stepgen": (
+        Case(
+            "axes=2",
+            stepgen_values(2),
+            90,
+            3000,
+            start=70,
+            slow=40,
+            first=stepgen_start(2),
+            still=(6,),
+            clocks=60_000,
+            clock_hz=12_000_003,
+        ),
+        Case(
+            "axes=1, step_len_ns=1900, step_space_ns=1900, dir_setup_ns=650, dir_hold_ns=650, stable_clocks=3",
+            stepgen_values(1),
+            300,
+            9000,
+            start=70,
+            slow=40,
+            first=stepgen_start(1),
+            still=(3,),
+            clocks=60_000,
+            clock_hz=8_000_000,
+        ),
+        Case(
+            "axes=5",
+            stepgen_values(5),
+            900,
+            9000,
+            start=140,
+            slow=40,
+            first=stepgen_start(5),
+            still=range(16),
+            clocks=90_000,
+            clock_hz=48_000_000,
+        ),
+        # a base rate of 2**23 Hz would leave no room for the carry of a phase
+        Case(
+            "axes=1",
+            stepgen_values(1),
+            900,
+            start=70,
+            slow=40,
+            first=stepgen_start(1),
+            still=range(4),
+            clocks=90_000,
+            clock_hz=100_000_000,
+        ),
+    ),
     "gpio": (
         Case("pins=8"),
         Case("pins=1, stable_clocks=3", pause=2000),
@@ -90,7 +160,6 @@ CASES = {
         Case("filter_ns=0, with_velocity=1, velocity_us=127, stall_us=260", pause=5, wait=34, shaft=SHAFT),
     ),
 }
-CLOCK_HZ = 2_300_000  # so that a microsecond is no whole number of clocks
 
 
 def configuration(name: str, case: Case) -> ComponentConfiguration:
@@ -98,7 +167,7 @@ def configuration(name: str, case: Case) -> ComponentConfiguration:
         f"link l(ADDRESS=8); public a() {{ one: {case.device or name}({case.arguments}); }}"
     ).spec
     assert spec is not None
-    (one,) = components_of(spec, CLOCK_HZ)
+    (one,) = components_of(spec, case.clock_hz)
     if case.program:
         generics = tuple({**dict(one.generics), "program": case.program}.items())
         one = dataclasses.replace(one, generics=generics)
@@ -123,11 +192,23 @@ def test_every_model_is_compared() -> None:
 def test_model_is_clock_true(ghdl: Any, tmp_path: Path, name: str, number: int) -> None:
     case = CASES[name][number]
     one = configuration(name, case)
-    compare(type(ghdl), tmp_path, one, random_stimuli(one, case, 20_000, seed=number), 20_000)
+    stimuli = random_stimuli(one, case, case.clocks, seed=number)
+    compare(type(ghdl), tmp_path, one, stimuli, case.clocks)
 
 
 # Faults of the VHDL: (component, case, text, what replaces it). Each must make a difference to the model.
 FAULTS = [
+    ("stepgen", 0, "count <= count + 1;", "count <= count + 2;"),
+    ("stepgen", 0, "source_before(number)  <= '1';", "source_before(number)  <= '0';"),
+    ("stepgen", 0, "places - 1;\n          speeds <= '0';", "places - 1;\n          speeds <= '1';"),
+    (
+        "stepgen",
+        1,
+        "result(term_long)  := std_ulogic_vector(to_unsigned(short_clocks + 1,",
+        "result(term_long)  := std_ulogic_vector(to_unsigned(short_clocks,",
+    ),
+    ("stepgen", 1, "state = resting and down /= direction", "down /= direction"),
+    ("stepgen", 1, "timer <= space_clocks - 1;", "timer <= space_clocks;"),
     ("gpio", 0, "before  <= levels;", "before  <= levels and not before;"),
     ("gpio", 0, "pin_out <= pin_out and not write_words(4)", "pin_out <= not write_words(4)"),
     ("gpio", 2, "snapshot => true", "snapshot => false"),
@@ -179,7 +260,7 @@ def test_a_fault_is_noticed(ghdl: Any, tmp_path: Path, fault: tuple[str, int, st
     name, number, old, new = fault
     case = CASES[name][number]
     one = configuration(name, case)
-    stimuli = random_stimuli(one, case, 20_000, seed=number)
+    stimuli = random_stimuli(one, case, case.clocks, seed=number)
 
     def with_fault(folder: Path, sources: Any) -> Any:
         found = [path for path in sources if old in path.read_text(encoding="utf-8")]
@@ -191,7 +272,7 @@ def test_a_fault_is_noticed(ghdl: Any, tmp_path: Path, fault: tuple[str, int, st
         return type(ghdl)(folder, [*(path for path in sources if path != right), wrong])
 
     with pytest.raises(AssertionError, match="the VHDL gives"):
-        compare(with_fault, tmp_path, one, stimuli, 20_000)
+        compare(with_fault, tmp_path, one, stimuli, case.clocks)
 
 
 @pytest.mark.long
@@ -202,3 +283,22 @@ def test_model_is_clock_true_for_long(ghdl: Any, tmp_path: Path, name: str, seed
     one = configuration(name, case)
     clocks = 1_000_000
     compare(type(ghdl), tmp_path, one, random_stimuli(one, case, clocks, 100 + seed), clocks)
+
+
+@pytest.mark.parametrize("clock_mhz", [12, 50, 75, 76, 100, 200])
+def test_an_axis_reaches_its_target_with_any_clock(clock_mhz: int) -> None:
+    """The steps up less the steps down are the way: a phase and its carry have room in a word."""
+    clock_hz = clock_mhz * 1_000_000
+    one = configuration("stepgen", Case("axes=2", clock_hz=clock_hz))
+    words = {2: 20_000 << 8, 3: 4_000_000 // 64, 1: 60, 0: 1}
+    stimuli = [
+        (300 + 50 * number, "w", address, value) for number, (address, value) in enumerate(words.items())
+    ]
+    counted, forward, rests = 0, 1, 0
+    for _, what, number, value in play_model(one, stimuli, clock_hz // 100):
+        if (what, number) == ("o", 2):
+            forward = 1 if value else -1
+        elif (what, number, value) == ("o", 0, 1):
+            counted += forward
+        rests += what == "e"
+    assert (counted, rests) == (60, 1)

@@ -76,20 +76,23 @@ std::uint32_t Component::seen(std::uint32_t address, Clock at) const noexcept {
 }
 
 BusReply Component::read(std::uint32_t address, Clock at) {
-  const Clock start = begun(at);
+  Clock start = begun(at);
   if (address >= words_.size() || writable_[address] == '-') {
     return {BusStatus::error, 0};
   }
+  start = admitted(address, false, start);
+  free_at_ = start + access_clocks;
   look(address, start);
   const bool frozen = held_ && snapshot_ && thawed_[address] == 0;
   return {BusStatus::ok, frozen ? frozen_[address] : seen(address, start)};
 }
 
 BusStatus Component::write(std::uint32_t address, std::uint32_t value, Clock at) {
-  const Clock edge = begun(at);
-  if (address >= words_.size() || writable_[address] != '1') {
+  Clock edge = begun(at);
+  if (address >= words_.size() || writable_[address] != '1' || refuses(address, value)) {
     return BusStatus::error;
   }
+  edge = admitted(address, true, edge);
   const Clock answered = offered(address, value, edge);
   free_at_ = answered + access_clocks;
   advance(edge + 1);  // this edge does not see the new word yet

@@ -63,7 +63,12 @@ class Component : public Bus {
   [[nodiscard]] virtual Clock next() const noexcept { return never; }
   // Edge `edge` happens. Edges between two calls change nothing.
   virtual void step(Clock /*edge*/) {}
-  // A write is on the bus from edge `edge` on. Returns the edge that answers it, which is the same one unless the
+  // An access is on the bus from edge `edge` on. Returns the edge that takes it, which is a later one if the component
+  // is busy. Everything before that edge has then happened.
+  virtual Clock admitted(std::uint32_t /*address*/, bool /*writes*/, Clock edge) { return edge; }
+  // Does a write of this value end with an error?
+  [[nodiscard]] virtual bool refuses(std::uint32_t /*address*/, std::uint32_t /*value*/) const { return false; }
+  // A write is taken by edge `edge`. Returns the edge that answers it, which is the same one unless the
   // component lets the bus wait. Such a component has a snapshot of its own, which any write thaws as a whole.
   virtual Clock offered(std::uint32_t /*address*/, std::uint32_t /*value*/, Clock edge) { return edge; }
   // At `edge` write_word(address) got a value. In the next edge, is_written(address) is true.

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The model of stepgen.vhd: the bus, the limits and the latches. Motion and ramp are beside it. It runs clock by clock
+// while the ramp computes or a pin changes, and skips the base periods between.
+#include <algorithm>
+#include <string>
+
+#include "device/component/component.hpp"
+#include "device/component/input_filter.hpp"
+#include "stepgen_ramp.hpp"
+
+namespace unitylink::device {
+
+namespace {
+
+constexpr std::uint32_t axis_words = 16;
+
+std::string stepgen_words(std::uint32_t axes) {
+  std::string all;
+  for (std::uint32_t axis = 0; axis < axes; ++axis) {
+    all += "11111000001-----";
+  }
+  return all;
+}
+
+class Stepgen final : public Component {
+ public:
+  explicit Stepgen(const ComponentConfiguration& from)
+      : Component(from, stepgen_words(StepgenRates(from).axes), false),
+        rates_(from),
+        motion_(from, rates_),
+        ramp_(rates_),
+        filter_(3 * rates_.axes + 1, static_cast<std::uint32_t>(from.generic("stable_clocks", 1))) {
+    wait_until(rates_.clearing_clocks);
+    for (std::uint32_t axis = 0; axis < rates_.axes && !outputs().empty(); ++axis) {
+      output(rates_.axes + axis, true, never);  // state 0 has DIR
+    }
+  }
+
+ private:
+  enum Register : std::uint32_t {
+    control,
+    target,
+    speed,
+    acceleration,
+    goal,
+    position,
+    velocity,
+    status,
+    latched,
+    stamp,
+    shift
+  };
+  enum Source : std::uint32_t { none, low_limit, high_limit, home };
+
+  [[nodiscard]] std::uint32_t all() const noexcept { return (1u << rates_.axes) - 1u; }
+
+  // Whole base periods in which nothing can be seen from outside, until this clock. 0: the next clock matters.
+  [[nodiscard]] std::uint64_t skippable(Clock until) const noexcept {
+    const Clock filtered = filter_.next();
+    if (now_ < rates_.clearing_clocks || !ramp_.is_waiting() || is_watching_ || catches_ != 0 || filtered <= now_) {
+      return 0;
+    }
+    const std::uint64_t most = (std::min(until, filtered) - now_) / (rates_.short_clocks + 1);
+    return motion_.quiet_periods(ramp_.bank(), std::min<std::uint64_t>(ramp_.periods_to_tick(), most));
+  }
+
+  [[nodiscard]] Clock next() const noexcept override {
+    const std::uint64_t periods = skippable(never);
+    return now_ + (periods == 0 ? 0 : motion_.clocks_of(periods));
+  }
+
+  void step(Clock edge) override { run_until(edge + 1); }
+
+  void run_until(Clock state) {
+    while (now_ < state) {
+      const std::uint64_t periods = skippable(state);
+      if (periods == 0) {
+        clock();
+        continue;
+      }
+      now_ += motion_.clocks_of(periods);
+      motion_.skip(ramp_.bank(), periods);
+      ramp_.skip(periods);
+    }
+  }
+
+  [[nodiscard]] StepgenMotion::Asked asked() const noexcept {
+    StepgenMotion::Asked result;
+    ramp_.ask(result);
+    result.catches = catches_;
+    return result;
+  }
+
+  void clock() {
+    const Clock edge = now_++;
+    const std::uint32_t moving = ramp_.moving();
+    StepgenMotion::Told told;
+    if (edge < rates_.clearing_clocks) {
+      motion_.clock_pulses();
+    } else {
+      const std::uint32_t looked = motion_.look_data();
+      const std::uint32_t axis = ramp_.axis();
+      told = motion_.clock(asked());
+      ramp_.clock(words_, told, looked, all() & ~halted_, shifting_);
+      shifting_ &= told.shifted ? ~(1u << axis) : ~0u;
+    }
+    watch(told);
+    if ((moved_ & ~moving) != 0) {
+      event(0, edge);
+    }
+    is_watching_ = is_watching_ || moved_ != ramp_.moving();
+    moved_ = moving;
+    if (filter_.step(edge)) {
+      levels_ = filter_.levels();
+      is_watching_ = true;
+    }
+    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
+      output(axis, motion_.pulse(axis).step(), edge);
+      output(rates_.axes + axis, motion_.pulse(axis).direction(), edge);
+    }
+  }
+
+  [[nodiscard]] bool level(std::uint32_t group, std::uint32_t axis) const noexcept {
+    return (levels_ >> (group * rates_.axes + axis) & 1u) != 0;
+  }
+
+  // The latches and the halts.
+  void watch(const StepgenMotion::Told& told) noexcept {
+    is_watching_ = false;
+    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
+      const std::uint32_t bit = 1u << axis;
+      const std::uint32_t from = words_[axis][control] >> 3 & 3u;
+      const bool source = from != none && level(from - 1, axis);
+      const bool before = (source_before_ & bit) != 0;
+      source_before_ = source ? source_before_ | bit : source_before_ & ~bit;
+      is_watching_ = is_watching_ || source != before;
+      const bool catching = (catches_ & bit) != 0;
+      if ((armed_ & bit) != 0 && source && !before) {
+        armed_ &= ~bit;
+        catches_ |= bit;
+      }
+      if ((told.caught & bit) != 0) {
+        catches_ &= ~bit;
+        latched_ = catching ? latched_ | bit : latched_ & ~bit;
+      }
+      if (told.axis == axis) {
+        const bool limited = told.stepped && (words_[axis][control] & 4u) != 0 && level(told.down ? 0 : 1, axis);
+        halted_ |= limited ? bit : 0;
+        late_ |= told.late ? bit : 0;
+      }
+    }
+    stopped_ = level(3, 0);
+    halted_ |= stopped_ ? all() : 0;
+  }
+
+  // Reads and writes wait for the memory that they share with the ramp. A status is that of a clock later.
+  Clock admitted(std::uint32_t address, bool writes, Clock edge) override {
+    run_until(edge);
+    const std::uint32_t axis = address / axis_words;
+    const std::uint32_t word = address % axis_words;
+    while (!is_served(axis, word)) {
+      clock();
+    }
+    const Clock taken = now_;
+    if (!writes && word == status) {
+      clock();
+    }
+    return taken;
+  }
+
+  void look(std::uint32_t address, Clock state) override {
+    run_until(state);
+    const std::uint32_t axis = address / axis_words;
+    const std::uint32_t place = address % axis_words;
+    if (place == position || place == latched || place == stamp) {
+      word(address, motion_.word(axis, part(place)), state);
+    } else if (place == status) {
+      word(address, status_of(axis), state);
+    } else {
+      word(address, words_[axis][place == velocity && ramp_.bank() ? StepgenRamp::next : place], state);
+    }
+  }
+
+  [[nodiscard]] bool is_served(std::uint32_t axis, std::uint32_t word) const noexcept {
+    if (word != position && word != latched && word != stamp) {
+      return !ramp_.uses_words();
+    }
+    StepgenMotion::Asked ask = asked();
+    ask.look_axis = axis;
+    ask.look_part = part(word);
+    return !ramp_.looks() && motion_.serves(ask);
+  }
+  [[nodiscard]] static StepgenMotion::Part part(std::uint32_t word) noexcept {
+    return word == position ? StepgenMotion::position : word == latched ? StepgenMotion::latched : StepgenMotion::stamp;
+  }
+
+  [[nodiscard]] std::uint32_t status_of(std::uint32_t axis) const noexcept {
+    const auto bit = [axis](std::uint32_t flags, std::uint32_t place) { return (flags >> axis & 1u) << place; };
+    const std::uint32_t at_target = ramp_.is_near(axis) ? ~ramp_.moving() : 0;
+    return bit(ramp_.moving(), 0) | bit(at_target, 1) | bit(levels_, 2) | bit(levels_ >> rates_.axes, 3) |
+           bit(levels_ >> (2 * rates_.axes), 4) | bit(halted_, 5) | bit(latched_, 6) | bit(late_, 7);
+  }
+
+  [[nodiscard]] bool refuses(std::uint32_t address, std::uint32_t value) const override {
+    const std::uint32_t word = address % axis_words;
+    return (word == acceleration && (value & 0xFFFFFu) == 0) ||
+           (word == shift && (shifting_ >> address / axis_words & 1u) != 0);
+  }
+
+  void stored(std::uint32_t address, Clock edge) override {
+    run_until(edge + 1);
+    const std::uint32_t axis = address / axis_words;
+    const std::uint32_t word = address % axis_words;
+    const std::uint32_t bit = 1u << axis;
+    const std::uint32_t mask = word == speed ? 0xFFFFFFFu : word == acceleration ? 0xFFFFFu : ~0u;
+    words_[axis][word] = write_word(address) & mask;
+    if (word == shift) {
+      shifting_ |= bit;
+    } else if (word == control) {
+      source_before_ |= bit;  // a level that is high now is no edge
+      armed_ |= bit;
+      catches_ &= ~bit;
+      latched_ &= ~bit;
+      late_ &= ~bit;
+      halted_ = stopped_ ? all() : halted_ & ~bit;
+      is_watching_ = true;
+    }
+  }
+
+  void driven(std::uint32_t pin, bool level, Clock edge) override {
+    run_until(edge);
+    filter_.drive(pin, level, edge);
+  }
+
+  StepgenRates rates_;
+  StepgenMotion motion_;
+  StepgenRamp ramp_;
+  InputFilter filter_;
+  StepgenRamp::Words words_{};
+  Clock now_ = 0;             // every edge before this one has happened
+  std::uint32_t levels_ = 0;  // behind the filter
+  bool stopped_ = false;      // the level of `stop` that the last edge saw
+  bool is_watching_ = false;  // a flag is about to change
+  // A bit for each axis.
+  std::uint32_t moved_ = 0, halted_ = 0, late_ = 0, shifting_ = 0, source_before_ = 0, armed_ = 0, catches_ = 0,
+                latched_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Component> make_stepgen(const ComponentConfiguration& from) { return std::make_unique<Stepgen>(from); }
+
+}  // namespace unitylink::device
