@@ -195,6 +195,7 @@ class Case:
     `start` is that time of a component whose writes do not wait. `slow` is the longest time for which any
     access waits, so no pin changes meanwhile. `first` is written at the start, and the pins `still` do not
     change. `clocks` is how long the short form is.
+    `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
     turns, turns back, and rests: its edges are so many clocks apart.
     """

@@ -29,7 +29,7 @@ CHECKED = "C064C00020005800D800C064C8002000580020001C01D005"
 SHORT = "C00AC000D800C014C8002090000020911C01D003"
 # Clocks between the edges of an encoder: short, about a window of 246 or 292 clocks, and about a stall.
 SHAFT = (1, 2, 3, 9, 27, 81, 200, 246, 247, 292, 293, 506, 507, 508, 598, 599, 600, 1500)
-# Words of an axis of stepgen: short and long ways, gentle and brutal ramps, both modes, each latch.
+# Words of an axis of stepgen. Ways are short and long, ramps gentle and brutal.
 STEPGEN_AXIS = {
     0: (0, 1, 1, 1, 1, 3, 3, 5, 5, 7, 9, 0x11, 0x19, 0x1D),
     1: (0, 1, 5, 40, 0xFFFFFFE0, 300, 0x80000000),
@@ -287,7 +287,7 @@ def test_model_is_clock_true_for_long(ghdl: Any, tmp_path: Path, name: str, seed
 
 @pytest.mark.parametrize("clock_mhz", [12, 50, 75, 76, 100, 200])
 def test_an_axis_reaches_its_target_with_any_clock(clock_mhz: int) -> None:
-    """The steps up less the steps down are the way: a phase and its carry have room in a word."""
+    """A phase and its carry have room in a word, so a step up is one."""
     clock_hz = clock_mhz * 1_000_000
     one = configuration("stepgen", Case("axes=2", clock_hz=clock_hz))
     words = {2: 20_000 << 8, 3: 4_000_000 // 64, 1: 60, 0: 1}
