@@ -64,7 +64,7 @@ CASES = {
             clock_hz=12_000_003,
         ),
         Case(
-            "axes=1, step_len_ns=1900, step_space_ns=1900, dir_setup_ns=650, dir_hold_ns=650, stable_clocks=3",
+            "axes=1, step_len_ns=1900, step_space_ns=990, dir_setup_ns=650, dir_hold_ns=650, stable_clocks=3",
             stepgen_values(1),
             300,
             9000,
