@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The timing of a design's pins, as constraints that Vivado and Quartus both read."""
+"""The timing of a design's pins, as constraints (SDC) that the tools of vendors read."""
 
 from __future__ import annotations
 
@@ -64,14 +64,21 @@ PIN_TIMING = {
 
 
 def pin_constraints(
-    ports: Sequence[Port], clock: str, clock_hz: int, physical: str, *, datapath_only: bool
+    ports: Sequence[Port],
+    clock: str,
+    clock_hz: int,
+    physical: str,
+    *,
+    datapath_only: bool = False,
+    all_registers: bool = True,
 ) -> list[Tcl]:
     """Return constraints for the clocks of a design, and for its pins relative to these clocks.
 
     The path of a pin without a clock is not checked.
 
     A two-way pin is in `ports` twice. With `datapath_only`, the tool can leave out the clock's own delay, as
-    Vivado can. Only pins of the design are named, because a user's logic may keep the layer inside.
+    Vivado can. Without `all_registers`, a path has no inner end, for tools that do not know this word. Only
+    pins of the design are named, because a user's logic may keep the layer inside.
     """
     inputs = {port.name: port for port in ports if port.is_input}
     outputs = {port.name: port for port in ports if not port.is_input}
@@ -86,7 +93,8 @@ def pin_constraints(
         if timing.clock in inputs:
             lines += _clocked(timing, inputs[timing.clock], given, wanted)
         elif not timing.clock:
-            lines += _unclocked(timing, given, wanted, datapath_only=datapath_only)
+            inner = Tcl("[all_registers]") if all_registers else None
+            lines += _unclocked(timing, given, wanted, inner, datapath_only=datapath_only)
     free = [(way, ports) for way, ports in (("from", inputs), ("to", outputs)) if ports.keys() - bound]
     if free:
         lines.append(Tcl("# These go with no clock outside of the FPGA; inputs pass a synchroniser."))
@@ -97,6 +105,14 @@ def pin_constraints(
             if name not in bound
         ]
     return lines
+
+
+def clock_pins(ports: Sequence[Port], clock: str, clock_hz: int, physical: str) -> list[tuple[str, int]]:
+    """Return the clocks at the pins, each with its Hz: that of the design, and that of its physical layer."""
+    timing = PIN_TIMING.get(physical)
+    inputs = {port.name for port in ports if port.is_input}
+    more = [(timing.clock, timing.clock_hz)] if timing is not None and timing.clock in inputs else []
+    return [(clock, clock_hz), *more]
 
 
 def _clocked(timing: PinTiming, clock: Port, given: Iterable[Port], wanted: Iterable[Port]) -> list[Tcl]:
@@ -115,15 +131,19 @@ def _clocked(timing: PinTiming, clock: Port, given: Iterable[Port], wanted: Iter
 
 
 def _unclocked(
-    timing: PinTiming, given: Iterable[Port], wanted: Iterable[Port], *, datapath_only: bool
+    timing: PinTiming,
+    given: Iterable[Port],
+    wanted: Iterable[Port],
+    inner: Tcl | None,
+    *,
+    datapath_only: bool,
 ) -> list[Tcl]:
     only = Tcl(" -datapath_only") if datapath_only else Tcl("")
+    to, from_ = (Tcl.of(" -{} {}", way, inner) if inner else Tcl("") for way in ("to", "from"))
     (inwards,), (outwards,) = timing.given_ns, timing.wanted_ns
     return [
-        Tcl.of("set_max_delay{} -from {} -to {} {:g}", only, _ports(given), Tcl("[all_registers]"), inwards),
-        Tcl.of(
-            "set_max_delay{} -from {} -to {} {:g}", only, Tcl("[all_registers]"), _ports(wanted), outwards
-        ),
+        Tcl.of("set_max_delay{} -from {}{} {:g}", only, _ports(given), to, inwards),
+        Tcl.of("set_max_delay{}{} -to {} {:g}", only, from_, _ports(wanted), outwards),
     ]
 
 

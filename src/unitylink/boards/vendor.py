@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from unitylink.errors import BoardError
-from unitylink.gateware import LIBRARY, Port, gateware_folder, gateware_sources, netlist, ports_of
+from unitylink.gateware import LIBRARY, Port, gateware_sources, netlist, ports_of
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.quoting import Tcl
 from unitylink.interface.board_configuration import BoardConfiguration, told_physical
@@ -18,10 +18,12 @@ from unitylink.interface.engine import too_fast
 from unitylink.spec.model import LINES
 
 from .folder import make_folder
+from .lattice import diamond, icestorm, radiant, trellis
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .pin_timing import pin_constraints
 from .pins import CLOCKS
+from .project import Project, crossings, tcl_text
 from .two_way import pin_ports, with_pins
 
 BAUD_HZ = 1_000_000  # used if neither the spec nor the user gives one
@@ -29,7 +31,7 @@ BAUD_HZ = 1_000_000  # used if neither the spec nor the user gives one
 
 @dataclass(frozen=True, kw_only=True)
 class VendorOrder(Wanted):
-    """A project to write for the tool `vendor`, "vivado" or "quartus".
+    """A project to write for the tool `vendor`, one of VENDORS.
 
     `pins` has the form PORT=SITE or PORT[3]=SITE, with sites of the chip. The user fills in all others.
     `clock_hz` is the frequency at the clock's pin.
@@ -39,24 +41,6 @@ class VendorOrder(Wanted):
     part: str
     clock_hz: int
     baud_hz: int | None = None
-
-
-@dataclass(frozen=True)
-class Project:
-    """What the scripts need to know."""
-
-    name: str
-    top: str
-    part: str
-    clock_hz: int
-    baud_hz: int
-    generics: Mapping[str, int]
-    sources: tuple[tuple[str, Path], ...]  # VHDL, each file with its library
-    verilog: tuple[Path, ...]  # the top level, if pins go both ways
-    pins: Mapping[str, str]  # bit of a port -> site, or "" if the user has to fill it in
-    ports: tuple[Port, ...]  # ports of the top level
-    clock: str
-    physical: str
 
 
 def write_project(order: VendorOrder) -> list[Path]:
@@ -88,23 +72,26 @@ def write_project(order: VendorOrder) -> list[Path]:
         if name in logic.generics
     }
     own = [*design_sources(spec, order.folder), *logic.sources]
-    ports = ports_of(netlist(logic.top, sources=own, generics=generics, assertions=False), logic.top)
+    printed = netlist(logic.top, sources=own, generics=generics, assertions=False)
+    ports = ports_of(printed, logic.top)
     clock = next((port.name for port in ports if port.name in CLOCKS), None)
     if clock is None:
         raise BoardError(f"{logic.top} needs a port for the clock, called {' or '.join(CLOCKS)}")
     pins = pin_ports(ports)
     top, verilog = logic.top, []
+    if order.vendor in OPEN_TOOLS:
+        generics = {}
+        verilog.append(_written(order.folder / f"{spec.name}_netlist.v", printed))
     if text := with_pins(top, ports, generics):
-        top = f"{logic.top}_pins"
-        verilog = [(order.folder / f"{top}.v").resolve()]
-        verilog[0].write_text(text, encoding="utf-8")
+        top, generics = f"{logic.top}_pins", {}
+        verilog.append(_written(order.folder / f"{top}.v", text))
     project = Project(
         spec.name,
         top,
         order.part,
         clock_hz,
         baud_hz,
-        {} if verilog else generics,
+        generics,
         (
             *((LIBRARY, path.resolve()) for path in gateware_sources()),
             *(("work", path.resolve()) for path in own),
@@ -121,6 +108,11 @@ def write_project(order: VendorOrder) -> list[Path]:
         path.write_text(text, encoding="utf-8")
         made.append(path)
     return made
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path.resolve()
 
 
 def _sites(ports: Sequence[Port], wishes: Sequence[str]) -> dict[str, str]:
@@ -151,7 +143,7 @@ def _vivado(project: Project) -> dict[str, str]:
         Tcl.of("set_property top {} [current_fileset]", top),
         *([Tcl.of("set_property generic {{{}}} [current_fileset]", given)] if given else []),
         Tcl.of("synth_design -top {} -part {}{}", top, part, generics),
-        Tcl.of("read_xdc -unmanaged {}", Tcl.text(str(_crossings("xdc")))),
+        Tcl.of("read_xdc -unmanaged {}", Tcl.text(str(crossings("xdc")))),
         Tcl("opt_design"),
         Tcl("place_design"),
         Tcl("route_design"),
@@ -173,7 +165,7 @@ def _vivado(project: Project) -> dict[str, str]:
             Tcl.text(bit),
         )
         constraints.append(line if site else Tcl.of("# {}", line))
-    return {".tcl": _lines(script), ".xdc": _lines(constraints)}
+    return {".tcl": tcl_text(script), ".xdc": tcl_text(constraints)}
 
 
 def _quartus(project: Project) -> dict[str, str]:
@@ -193,7 +185,7 @@ def _quartus(project: Project) -> dict[str, str]:
             for path in project.verilog
         ),
         Tcl.of("set_global_assignment -name SDC_FILE {}.sdc", project.name),
-        Tcl.of("set_global_assignment -name SDC_FILE {}", Tcl.text(str(_crossings("sdc")))),
+        Tcl.of("set_global_assignment -name SDC_FILE {}", Tcl.text(str(crossings("sdc")))),
         *(Tcl.of("set_parameter -name {} {}", name, value) for name, value in project.generics.items()),
         Tcl("# Fill in the pins from the board's documents, then take the # away."),
     ]
@@ -202,7 +194,7 @@ def _quartus(project: Project) -> dict[str, str]:
         script.append(line if site else Tcl.of("# {}", line))
     script += [Tcl("execute_flow -compile"), Tcl("project_close")]
     timing = [*_timing(project, datapath_only=False), Tcl("derive_clock_uncertainty")]
-    return {".tcl": _lines(script), ".sdc": _lines(timing)}
+    return {".tcl": tcl_text(script), ".sdc": tcl_text(timing)}
 
 
 def _timing(project: Project, *, datapath_only: bool) -> list[Tcl]:
@@ -211,13 +203,12 @@ def _timing(project: Project, *, datapath_only: bool) -> list[Tcl]:
     )
 
 
-def _crossings(ending: str) -> Path:
-    """Return the constraints of all clock crossings of the gateware."""
-    return (gateware_folder() / "constraints" / f"crossings.{ending}").resolve()
-
-
-def _lines(lines: Sequence[Tcl]) -> str:
-    return Tcl("").join(Tcl.of("{}\n", line) for line in lines)
-
-
-VENDORS: Mapping[str, Callable[[Project], dict[str, str]]] = {"vivado": _vivado, "quartus": _quartus}
+VENDORS: Mapping[str, Callable[[Project], dict[str, str]]] = {
+    "vivado": _vivado,
+    "quartus": _quartus,
+    "diamond": diamond,
+    "radiant": radiant,
+    "icestorm": icestorm,
+    "trellis": trellis,
+}
+OPEN_TOOLS = ("icestorm", "trellis")  # they take a netlist, in which the generics have their values

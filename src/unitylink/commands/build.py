@@ -50,7 +50,7 @@ from .root_option import root_option
     metavar="NAME=VALUE",
     help="A setting of the gateware, if not that of the spec: groups=2.",
 )
-@click.option("--part", metavar="PART", help="The chip, for --board vendor:vivado and vendor:quartus.")
+@click.option("--part", metavar="PART", help="The chip, for --board vendor:TOOL.")
 @click.option(
     "--out", metavar="FOLDER", help="Where to build (build/SPEC-BOARD; with --root build/NAME-BOARD)."
 )
@@ -127,7 +127,7 @@ def command(
             click.echo(f"wrote {path}")
         return
     if part is not None:
-        raise click.UsageError("--part is for --board vendor:vivado and vendor:quartus")
+        raise click.UsageError("--part is for --board vendor:TOOL, as vendor:vivado")
     order = Order(
         spec_file=spec_file,
         folder=folder,
