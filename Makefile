@@ -4,6 +4,7 @@
 #                CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
+#   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your
 #                own
 #   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests
@@ -56,7 +57,7 @@ TESTS ?= tests
 
 .PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format \
 	long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh \
-	help
+	page help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -89,6 +90,10 @@ demo-pa10: $(VENV)/.built
 demo-ros: $(VENV)/.built
 	@tools/setup.sh ros
 	@tools/demo_ros.sh
+
+page:
+	@tools/setup.sh page
+	@cd web && npm run --silent check && npm run --silent build -- $(if $(CHECK),--check)
 
 test:
 	@tools/test.sh $(TESTS)

@@ -10,6 +10,7 @@
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh coverage       Debian packages that count the executed lines of the gateware
+#   setup.sh page           Node.js, and the npm packages of the dashboard's page
 #   setup.sh doctest        the Debian package of the native tests' framework
 #   setup.sh native         the native tests, fuzzers and benches
 #   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
@@ -18,7 +19,7 @@ cd "$(dirname "$0")/.."
 venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
-  native | sanitized | ros2) exec 9>"build/.lock-$1" ;;
+  native | sanitized | ros2 | page) exec 9>"build/.lock-$1" ;;
   rtl | ros | system | boards | formal | coverage | doctest) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
@@ -75,6 +76,11 @@ need_formal() {
   need "GHDL's own code generator" ghdl-mcode interprets               # which a GHDL with gcc alone does not analyse
   need yosys yosys command -v yosys                                    # makes a model of that; has ABC and yosys-smtbmc
   need z3 z3 command -v z3                                             # searches the model
+}
+
+need_page() {
+  need Node.js nodejs command -v node                                  # makes the dashboard's page
+  need npm npm command -v npm                                          # fetches what it is made of
 }
 
 need_ros() {                              # the generated nodes run on the real thing
@@ -182,6 +188,15 @@ boards)
   need_rtl
   need_boards
   install_missing
+  ;;
+page)
+  need_page
+  install_missing
+  lock=web/package-lock.json stamp=web/node_modules/.unitylink
+  [ "$stamp" -nt "$lock" ] && exit
+  (cd web && npm ci --ignore-scripts --no-audit --no-fund) > build/npm.log 2>&1 \
+    || { tail -5 build/npm.log >&2; stop "npm could not install web/package-lock.json (all it said: build/npm.log)"; }
+  touch "$stamp"
   ;;
 system)
   need_rtl

@@ -10,6 +10,7 @@ SHORT_FORMS = {
     "demo-walker": "RTL=1",  # what the gateware's own VHDL needs, too
     "demo-pa10": "",
     "demo-ros": "",
+    "page": "",
     "extras": "",
     "test": "TESTS=tests/unit/values",
     "develop": "",

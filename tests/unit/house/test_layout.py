@@ -12,9 +12,10 @@ from unit.house.files import files, text
 
 COLUMNS = 120  # as in .clang-format and .mdformat.toml; ruff keeps Python at 110
 KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".sh", ".lua", ".md", ".js", ".css", ".html")
+KINDS += (".mjs", ".ts", ".tsx")
 NAMES = ("Makefile", "CMakeLists.txt")
-# `unitylink generate` makes these, and a name or a text of a spec may have any length
-MADE = ("tests/golden/",)
+# Made files: by `unitylink generate`, where a name of a spec may have any length, and by `make page`.
+MADE = ("tests/golden/", "src/unitylink/dashboard/page/")
 
 PRAGMA = re.compile(r"  # (type: ignore|noqa).*$")  # ruff does not count it either
 NO_CODE = re.compile(r'"[^"\n]*"|\'.\'|--[^\n]*|\d+#[0-9A-Fa-f_]+#')  # strings, characters, comments, numbers

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink dashboard`: a robot in the browser."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import click
+
+from unitylink.program import stopped_by_signals
+
+from .failure import Failure
+from .link_option import link_argument, open_target, spec_option
+from .output import json_option, print_json
+from .root_option import root_option
+
+if TYPE_CHECKING:
+    from unitylink.server.tokens import Tokens
+
+_LOOK_S = 0.2  # between two looks whether the link has ended
+
+
+@click.command()
+@link_argument
+@spec_option
+@click.option(
+    "--listen", metavar="[HOST:]PORT", default="127.0.0.1:0", help="Where. Port 0 takes a free one (default)."
+)
+@click.option("--anyone", is_flag=True, help="With --listen: other machines may reach the page.")
+@click.option(
+    "--name", "names", multiple=True, metavar="HOST", help="A further name of this machine in URLs."
+)
+@click.option("--tls", nargs=2, metavar="CERTIFICATE KEY", help="Serve with TLS: two files in PEM format.")
+@click.option("--token-file", metavar="FILE", help="Who may do what (unitylink token). Else one fresh token.")
+@click.option("--audit", "audit_file", metavar="FILE", help="Append who did what to this file.")
+@click.option(
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(0.1, 1000),
+    default=5.0,
+    show_default=True,
+    metavar="HZ",
+    help="How often to read items without PUBLISH.",
+)
+@root_option("Show one board")
+@json_option("the address")
+def command(
+    link: str,
+    *,
+    spec_file: str | None,
+    listen: str,
+    anyone: bool,
+    names: tuple[str, ...],
+    tls: tuple[str, str] | None,
+    token_file: str | None,
+    audit_file: str | None,
+    rate_hz: float,
+    root: str | None,
+    as_json: bool,
+) -> None:
+    """Serve a page with the values of a robot, until Ctrl-C.
+
+    The page shows values, charts and the health of the link, all from the spec. It writes what may be
+    written, after its user has taken control. Open the URL that is printed. It has a fresh token in it, which
+    may do everything. With --token-file, each user logs in with a token of his own.
+
+    Only this machine reaches the page. Other machines need --listen HOST:PORT and --anyone. Without --tls,
+    tokens go over that network unencrypted.
+
+    \b
+    Examples:
+      unitylink dashboard sim:arm.ul
+      unitylink dashboard serial:/dev/ttyUSB0 --spec arm.ul --listen 8080
+      unitylink dashboard sim:arm.ul --listen 0.0.0.0:8443 --anyone --name lab7 --tls lab7.pem lab7.key
+    """
+    from unitylink.dashboard.opening import open_dashboard
+    from unitylink.dashboard.place import read_place
+
+    place = read_place(listen, names, tls)
+    if place.exposed and not anyone:
+        raise click.UsageError(
+            f"--listen {listen}: other machines could reach the page; if you want that, add --anyone"
+        )
+    tokens, fresh = _tokens(token_file)
+    with ExitStack() as stack:
+        stop = stack.enter_context(stopped_by_signals())
+        put = _audit(stack, audit_file)
+        target = stack.enter_context(open_target(link, spec_file, quiet=True))
+        if target.spec is None:
+            raise Failure("the page is made from a spec", "add --spec FILE.ul")
+        page = stack.enter_context(
+            open_dashboard(target.link, target.spec, tokens, put, place=place, root=root, read_hz=rate_hz)
+        )
+        if as_json:
+            print_json({"url": page.url, "token": fresh or None}, indent=None)
+        else:
+            click.echo(f"the dashboard of {link}:\n  {page.url}/{f'#token={fresh}' if fresh else ''}")
+            click.echo("Ctrl-C ends it")
+        if place.exposed and not place.certificate:
+            click.echo("warning: without --tls, tokens go over the network unencrypted", err=True)
+        sys.stdout.flush()
+        while not stop.wait(_LOOK_S):
+            target.link.check_alive()
+
+
+def _tokens(path: str | None) -> tuple[Tokens, str]:
+    """Return the tokens of a file, or a fresh one for everything, and this one as text."""
+    from unitylink.server.scopes import Rights
+    from unitylink.server.tokens import Tokens, User, digest, load_tokens, new_token
+
+    if path is not None:
+        return load_tokens(path), ""
+    token = new_token()
+    return Tokens([(digest(token), User("owner", Rights.of(["admin"])))]), token
+
+
+def _audit(stack: ExitStack, path: str | None) -> Callable[[str], object]:
+    """Return what takes the lines of the audit log."""
+    if path is None:
+        return lambda _: None
+    try:
+        file = stack.enter_context(open(path, "a", encoding="utf-8", buffering=1))  # noqa: SIM115
+    except OSError as error:
+        raise Failure(f"{path}: {error.strerror}", "choose another file for --audit") from error
+    return lambda line: file.write(line + "\n")

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What people do to a robot: each request passes the gate, and then goes to the board."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from unitylink.errors import AccessRefused, UnknownName, ValueRangeError, shown
+from unitylink.layer4_data import ClearValue, Node, PulseValue, Value, ValueGroup, WriteValue
+from unitylink.server.gate import Client, Gate, Now
+from unitylink.server.subtree import contains
+
+from .description import as_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+T = TypeVar("T")
+MOST = 1000  # items of one write
+
+
+def now() -> Now:
+    """Return the time, by the clock that does not jump and by that of the wall."""
+    return Now(time.monotonic(), time.time())
+
+
+class Desk:
+    """Takes requests from any thread. Those that reach the board block until it has answered.
+
+    While one is under way, others wait, except `stop`. So a set-point that the gate has let pass cannot reach
+    the board after the SAFE values of a lost lease. After a stop, nobody writes before `arm`.
+    """
+
+    def __init__(self, robot: Node, gate: Gate) -> None:
+        self.robot = robot
+        self.stopped_by = ""
+        self._gate = gate
+        self._values = {value.path: value for value in robot}
+        self._gate_lock = threading.Lock()  # held for no longer than a look into tables
+        self._board_lock = threading.Lock()  # held while a request is under way
+
+    @contextmanager
+    def gate(self) -> Iterator[Gate]:
+        """Give the gate to one thread alone."""
+        with self._gate_lock:
+            yield self._gate
+
+    def write(self, client: Client, values: Mapping[str, Any]) -> None:
+        """Write values by their paths, all together.
+
+        Raises UnknownName, ValueRangeError, AccessRefused, LeaseHeld or another LinkError. Nothing is sent if
+        one of the values is wrong, or may not be written by this client.
+        """
+        if not values or len(values) > MOST:
+            raise ValueRangeError(f"{len(values)} values; a write has 1 to {MOST}")
+        group = ValueGroup({path: self._value(path, WriteValue) for path in values}, "write")
+        values = {path: _number(group.writes[path], given) for path, given in values.items()}
+        for value, number in group.chosen(values, {}).items():
+            value.encode(number)  # raises before the lease is touched
+        self._do(client, values, lambda: group.write(values))
+
+    def pulse(self, client: Client, path: str, value: Any = 1) -> None:
+        """Write a PULSE once. Raises what `write` raises."""
+        strobe = self._value(path, PulseValue)
+        strobe.codec.encode(value)
+        self._do(client, {path: value}, lambda: strobe.pulse(value))
+
+    def clear(self, client: Client, path: str) -> None:
+        """Clear the flags of a W1C item that were read last. Raises what `write` raises."""
+        flags = self._value(path, ClearValue)
+        self._do(client, {path: flags.raw}, flags.clear)
+
+    def _do(self, client: Client, values: Mapping[str, Any], send: Callable[[], None]) -> None:
+        with self._board_lock:
+            with self.gate() as gate:
+                moment = now()
+                if self.stopped_by:
+                    raise AccessRefused(f"{self.stopped_by} has stopped the robot; arm it before you write")
+                for path in values:
+                    gate.check_write(client, path, moment)
+            send()
+            with self.gate() as gate:
+                gate.wrote(client, dict(values), now())
+
+    def stop(self, client: Client) -> int:
+        """Write all SAFE values now, end all leases, and refuse writes until `arm`. Return how many values.
+
+        The values are written at once, beside a request that is under way, and again when that has ended. So
+        they are the last that the board gets. Raises AccessRefused if the user is not logged in any more, and
+        a LinkError if the board did not answer. Then the writes are refused all the same.
+        """
+        with self.gate() as gate:
+            gate.stopped(client, now())
+            self.stopped_by = client.name
+        self.robot.apply_safe()
+        with self._board_lock:
+            self.robot.apply_safe()
+            self._note_safe(("",))
+        return sum(value.writable and value.quantity.safe is not None for value in self._values.values())
+
+    def arm(self, client: Client) -> None:
+        """Allow writes again, after a stop or after the board's dead-man has tripped."""
+        with self.gate() as gate:
+            gate.check_arm(client, now())
+        for link in self.robot.links:
+            if link.protocol == "framed" and (dead_man := link.dead_man()) is not None and dead_man.tripped:
+                link.arm()
+        self.stopped_by = ""
+
+    def keep_safe(self) -> tuple[Client, ...]:
+        """End leases that are over, and write the SAFE values of their parts. Call it often.
+
+        Return the clients whose tokens have expired. Raises a LinkError if the board did not answer. Then
+        the parts stay closed, and the next call tries again.
+        """
+        with self.gate() as gate:
+            expired = gate.expire(now())
+            unsafe = gate.unsafe()
+        if unsafe:
+            with self._board_lock:
+                for part in unsafe:
+                    self._make_safe(part)
+                self._note_safe(unsafe)
+        return expired
+
+    def _make_safe(self, part: str) -> None:
+        safe = {
+            path: value.quantity.safe
+            for path, value in self._values.items()
+            if contains(part, path) and isinstance(value, WriteValue) and value.quantity.safe is not None
+        }
+        if safe:
+            ValueGroup({path: self._values[path] for path in safe}, part or self.robot.name).write(safe)
+
+    def _note_safe(self, parts: tuple[str, ...]) -> None:
+        with self.gate() as gate:
+            for ending in gate.unsafe():
+                if any(contains(part, ending) for part in parts):
+                    gate.made_safe(ending, now())
+
+    def _value(self, path: str, kind: type[T]) -> T:
+        value: Value[Any] | None = self._values.get(path)
+        if value is None:
+            raise UnknownName(f"the robot has no item {shown(path)}")
+        if not isinstance(value, kind):
+            raise ValueRangeError(f"{path} is a {value.access}; this is not what can be done to it")
+        return value
+
+
+def _number(value: WriteValue[Any], given: Any) -> Any:
+    """Return a value as the codec wants it. A browser sends as text what it cannot hold as a number."""
+    if isinstance(given, str) and as_text(value):
+        try:
+            return int(given, 0)
+        except ValueError:
+            raise ValueRangeError(f"{value.path}: {shown(given)} is no whole number") from None
+    return given

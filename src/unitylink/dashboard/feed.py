@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The values of a robot as they come: published by the gateware, or read by the PC."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+
+from unitylink.errors import BusError
+from unitylink.layer3_hardware import MemoryProxy
+from unitylink.layer4_data import Publisher, ReadValue, Value
+from unitylink.values import format_value
+
+from .description import as_text
+from .history import History
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from unitylink.layer2_message import Link
+    from unitylink.layer2_message.native_link import Times, Words
+    from unitylink.layer4_data.published import PublishedValue
+
+    Rows = Union[Sequence[Sequence[int]], Words]
+
+GATHER_S = 0.02  # s; publishes are handed over so much later, many at once
+READ_HZ = 5.0
+
+
+@dataclass
+class Track:
+    """What is known of one item: its samples, and in which round the last of them came."""
+
+    value: Value[Any]
+    history: History = field(default_factory=History)
+    round: int = 0
+    text: str = ""
+    rate_hz: float = 0.0  # how often it should come, 0 if on an event
+
+
+class Feed:
+    """Publish all items of a robot while the `with` block runs, and keep their samples.
+
+    The gateware sends items with PUBLISH. The PC reads the others at `read_hz`, and also set-points that the
+    device lets it read. An item that a read would change is only heard. `tracks` has one entry for each of
+    `values`, in their order. The samples come in by `gather`.
+    """
+
+    def __init__(self, link: Link, values: Iterable[Value[Any]], read_hz: float = READ_HZ) -> None:
+        self.round = 0
+        self.tracks = [Track(value) for value in values]
+        self._link = link
+        self._lock = threading.Lock()
+        self._arrived: dict[tuple[PublishedValue, ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
+        self._publisher = Publisher(gather_s=GATHER_S)
+        self._by_path = {track.value.path: track for track in self.tracks}
+        for track in self.tracks:
+            self._ask_for(track.value, read_hz)
+        self._publisher.take_with(self._take, self._take_arrays)
+
+    def _ask_for(self, value: Value[Any], read_hz: float) -> None:
+        if isinstance(value, ReadValue):
+            if value.publish is not None:
+                self._publisher.add(value)
+            elif value.pollable and value.hardware.repeatable_reads:
+                self._publisher.demand(value, read_hz)
+        elif value.writable and value.hardware.repeatable_reads and _reads(self._link, value):
+            seen: ReadValue[Any] = ReadValue(
+                value.path, MemoryProxy(self._link), value.address, quantity=value.quantity
+            )
+            self._publisher.demand(seen, read_hz)
+
+    def __enter__(self) -> Feed:
+        self._publisher.start(fallback=True)
+        for report in self._publisher.reports():
+            for path in report.paths:
+                self._by_path[path].rate_hz = report.rate_hz
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._publisher.stop()
+
+    def _take(
+        self, time_s: float, values: Sequence[PublishedValue], _: Sequence[Any], raws: Sequence[int]
+    ) -> None:
+        with self._lock:
+            self._arrived.setdefault(tuple(values), []).append(([time_s], [raws]))
+
+    def _take_arrays(self, times: Times, values: Sequence[PublishedValue], raws: Words) -> None:
+        with self._lock:
+            self._arrived.setdefault(tuple(values), []).append((times, raws))
+
+    def gather(self) -> int:
+        """Put what has arrived since the last call into the histories. Return the number of this round."""
+        with self._lock:
+            arrived, self._arrived = self._arrived, {}
+        self.round += 1
+        for values, parts in arrived.items():
+            times_s = np.concatenate([np.asarray(times, np.float64) for times, _ in parts])
+            for column, value in enumerate(values):
+                raws = np.concatenate([_column(rows, column) for _, rows in parts])
+                track = self._by_path[value.path]
+                track.history.add(times_s, value.codec.decode_array(raws).astype(np.float64))
+                track.round = self.round
+                if as_text(track.value):
+                    track.text = format_value(value.codec.decode(int(raws[-1])))
+        return self.round
+
+    def reports(self) -> list[dict[str, Any]]:
+        """Return for each publish what was asked for, what came, and what was lost."""
+        return [
+            {
+                "paths": report.paths,
+                "hardware": report.hardware,
+                "rate_hz": report.rate_hz,
+                "received": report.received,
+                "lost": report.lost,
+            }
+            for report in self._publisher.reports()
+        ]
+
+
+def _reads(link: Link, value: Value[Any]) -> bool:
+    """Tell whether the device lets a set-point be read."""
+    try:
+        link.read(value.address)
+    except BusError:
+        return False
+    return True
+
+
+def _column(rows: Rows, column: int) -> NDArray[np.uint64]:
+    if isinstance(rows, np.ndarray):
+        return rows[:, column].astype(np.uint64)
+    return np.array([row[column] for row in rows], np.uint64)
