@@ -17,7 +17,6 @@ Errand& Upstream::errand() {
     idle_.push_back(errands_.back().get());
     const std::scoped_lock lock(mutex_);
     arrived_.done.reserve(errands_.size());  // on_done() must not allocate
-    harvested_.done.reserve(errands_.size());
   }
   Errand& errand = *idle_.back();
   idle_.pop_back();
@@ -75,6 +74,7 @@ void Upstream::on_publish(std::uint32_t group, std::uint32_t missing, std::uint3
 
 const Upstream::Harvest& Upstream::harvest() {
   harvested_.done.clear();
+  harvested_.done.reserve(errands_.size());  // here, because a caller may make errands while it reads the last harvest
   harvested_.publishes.clear();
   harvested_.words.clear();
   {

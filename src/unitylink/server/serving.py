@@ -12,6 +12,8 @@ from unitylink import _native
 from unitylink.protocol import SERVE_VERSION
 
 from .audit import Audit
+from .gate import REFUSED_BURST, REFUSED_RATE_HZ
+from .rate_limit import RateLimit
 from .robot import Robot
 from .tokens import Tokens, User
 
@@ -32,6 +34,7 @@ class Server:
         self.robots = {robot.name: robot for robot in robots}
         self.refused = 0
         self._tokens, self._audit = tokens, audit
+        self._lines = RateLimit(REFUSED_RATE_HZ, REFUSED_BURST)  # a flood of refusals must not fill the disk
         self._door = _native.Door(host, port)
         self.place: str = self._door.place
         self._closed = threading.Event()
@@ -94,5 +97,6 @@ class Server:
     def _refuse(self, knock: _native.Knock, reason: str, text: str, user: User | None = None) -> None:
         self.refused += 1
         name = user.name if user else None
-        self._audit.line("refused", time.time(), user=name, where=knock.peer, reason=reason)
+        if self._lines.allow(time.monotonic()):
+            self._audit.line("refused", time.time(), user=name, where=knock.peer, reason=reason)
         knock.refuse(reason, text)

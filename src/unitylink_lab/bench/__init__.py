@@ -24,6 +24,7 @@ from .stolen import ProcessorTime
 FIGURES: dict[str, tuple[str, str]] = {
     "sync-read": ("sync_read", "measure"),
     "sync-framed": ("sync_read", "measure_framed"),
+    "serve": ("server", "measure"),
     "exchange": ("exchange", "measure"),
     "cycle": ("exchange", "measure_cycle"),
     "litex-single": ("litex", "measure_single"),

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What happens when something dies: the board, its line, a client, the server."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import random
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.unit.server.served import TEXT, Served, arm, served, token_of
+from tests.unit.server.test_serving import socket_of, until
+from unitylink import Link
+from unitylink.errors import LinkClosed, LinkError, OutcomeUnknown
+from unitylink.simulate import Board
+
+
+@pytest.fixture
+def one() -> Iterator[Served]:
+    with served() as all_of_it:
+        yield all_of_it
+
+
+def test_a_board_that_is_lost_and_comes_back(one: Served, tmp_path: Path) -> None:
+    (tmp_path / "token").write_text("all")
+    with Link(one.url(f"&reconnect=1&token_file={tmp_path}/token")) as lasting, one.link() as plain:
+        positions = lasting.subscribe([0x12], divisor=10)
+        assert positions.wait(5)
+        one.board.hang_up()
+        until(lambda: plain.closed or not quiet(plain))
+        with pytest.raises(LinkClosed):
+            plain.read(0x50)
+        until(lambda: lasting.statistics().reconnections >= 1)
+        assert lasting.wait_up(10)
+        positions.drain()
+        assert positions.wait(10)  # the subscription goes on
+        lasting.write(0x1A, 4)
+        assert one.board.registers[0x1A] == 4
+
+
+def quiet(link: Link) -> bool:
+    try:
+        link.read(0x50)
+    except LinkError:
+        return False
+    return True
+
+
+def test_who_comes_while_the_board_is_away_is_told_why() -> None:
+    with served(url="tcp://127.0.0.1:9?timeout=0.2") as one:
+        with pytest.raises(LinkClosed, match=r"the board arm is away: .*nothing listens there"):
+            one.link()
+        assert one.robot.report()["away"]
+
+
+def test_a_board_that_starts_after_the_server(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with (
+        served(url=f"tcp://127.0.0.1:{port}?timeout=0.5") as one,
+        Board(arm(), endpoint=f"tcp:{port}") as late,
+    ):
+        until(lambda: not one.robot.report()["away"])
+        with one.link() as link:
+            link.write(0x50, 9)
+        assert late.registers[0x50] == 9
+
+
+def test_a_client_that_does_not_read_is_dropped_and_slows_nobody(one: Served) -> None:
+    link = one.link()
+    with deaf_subscriber(one) as deaf, link:
+        worst, lost = 0.0, 0
+        until(lambda: any(client["publishes"] for client in one.robot.report()["clients"]))
+        while one.robot.report()["dropped_silent"] == 0:
+            before = time.monotonic()
+            link.write(0x50, 1)
+            worst = max(worst, time.monotonic() - before)
+            lost = max([lost, *(client["publishes_lost"] for client in one.robot.report()["clients"])])
+            assert deaf.poll() is None
+        assert worst < 0.5  # far below the 4 s for which it was stuck
+        assert lost > 0
+
+
+@contextlib.contextmanager
+def deaf_subscriber(one: Served) -> Iterator[subprocess.Popen[bytes]]:
+    """Yield a process that subscribes to much and is then stopped: its socket stays open, unread."""
+    program = (
+        "import sys; from unitylink import Link; link = Link(sys.argv[1])\n"
+        "words = [0x10 + n for n in range(28)]\n"
+        "groups = [link.subscribe(words, divisor=1, verify=False) for _ in range(4)]\n"
+        "groups[0].wait(5); print('ready', flush=True); sys.stdin.read()"
+    )
+    with token_of("all"):
+        arguments = [sys.executable, "-c", program, one.url()]
+        process = subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None and process.stdout.readline() == b"ready\n"
+        process.send_signal(signal.SIGSTOP)
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_garbage_in_a_session_disturbs_nobody_else(one: Served, seed: int) -> None:
+    chance = random.Random(seed)
+    with one.link() as link, logged_in(one) as other:
+        for _ in range(50):
+            size = chance.choice([1, 7, 300, 5000])
+            with contextlib.suppress(OSError):
+                other.sendall(
+                    bytes(chance.choice([0, 0x80, 0x82, chance.randrange(256)]) for _ in range(size))
+                )
+            link.write(0x50, 3)
+        assert link.read(0x50) == 3
+        assert one.board.registers[0x1A] == 0
+
+
+@contextlib.contextmanager
+def logged_in(one: Served, token: str = "all") -> Iterator[socket.socket]:
+    """Yield a socket behind the login, for bytes of one's own."""
+    with socket_of(one) as bare:
+        bare.sendall(f"unitylink-serve 1 arm {token}\n".encode())
+        assert bare.recv(1000).startswith(b"admitted")
+        yield bare
+
+
+def test_half_open_slow_and_many_logins(one: Served) -> None:
+    with contextlib.ExitStack() as stack, one.link() as link:
+        silent = [stack.enter_context(socket_of(one)) for _ in range(100)]
+        silent[0].sendall(b"unitylink-serve 1")
+        before = time.monotonic()
+        link.write(0x50, 1)
+        assert time.monotonic() - before < 1
+        with token_of("all"):
+            late = Link(one.url("&attempts=10"))  # it waits until the silent ones are turned away
+        late.close()
+        silent[0].settimeout(10)
+        with contextlib.suppress(ConnectionResetError):
+            assert silent[0].recv(100) == b""
+    until(lambda: one.server.report()["turned_away"] >= 64)
+
+
+def test_a_login_storm(one: Served) -> None:
+    def storm() -> None:
+        while not over.is_set():
+            with contextlib.suppress(OSError), socket_of(one) as caller:
+                caller.sendall(b"unitylink-serve 1 arm guess\n")
+                caller.recv(100)
+
+    over = threading.Event()
+    threads = [threading.Thread(target=storm) for _ in range(4)]
+    with one.link() as link:
+        for thread in threads:
+            thread.start()
+        try:
+            for value in range(200):
+                link.write(0x50, value)
+        finally:
+            over.set()
+            for thread in threads:
+                thread.join()
+        assert one.board.registers[0x50] == 199
+        assert one.server.report()["refused"] > 0
+        assert len(one.lines) < 100  # a flood of refusals does not fill the log
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_old_set_point_after_a_killed_server(tmp_path: Path, seed: int) -> None:
+    spec = tmp_path / "arm.ul"
+    spec.write_text(TEXT)
+    with Board(arm(), endpoint="tcp") as board, started(board.url, spec) as (server, url):
+        link = Link(f"{url}?timeout=1&deadman=0.1")
+        written = []
+        told: list[BaseException] = []
+
+        def write() -> None:
+            try:
+                for value in range(1, 1_000_000):
+                    written.append(value)
+                    link.write(0x1A, value)
+            except LinkError as error:
+                told.append(error)
+
+        writer = threading.Thread(target=write)
+        writer.start()
+        time.sleep(random.Random(seed).uniform(0.05, 0.3))
+        server.kill()
+        writer.join(5)
+        assert isinstance(told[0], OutcomeUnknown | LinkClosed)  # never silence
+        link.close()
+        until(lambda: board.registers[0x1A] == 0)  # the board's own dead-man
+        with started(board.url, spec) as (_, again), Link(f"{again}?timeout=1") as fresh:
+            end = time.monotonic() + 0.2
+            while time.monotonic() < end:
+                assert board.registers[0x1A] == 0
+            fresh.arm()
+            assert board.registers[0x1A] == 0
+            fresh.write(0x1A, 7)
+            assert board.registers[0x1A] == 7
+
+
+@contextlib.contextmanager
+def started(board: str, spec: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Start a server as a process, and yield it and the URL of its board. Its token is in the environment."""
+    program = [sys.executable, "-m", "unitylink", "serve", board, str(spec), "--listen", "0", "--json"]
+    process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        assert process.stdout is not None
+        said = json.loads(process.stdout.readline())
+        with token_of(said["token"]):
+            yield process, said["urls"]["arm"]
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_sigterm_ends_the_server_soon_and_its_outputs_are_safe(tmp_path: Path) -> None:
+    spec = tmp_path / "arm.ul"
+    spec.write_text(TEXT)
+    with Board(arm(), endpoint="tcp") as board, started(board.url, spec) as (server, url):
+        place = ("127.0.0.1", int(url.rsplit(":", 1)[1].split("/")[0]))
+        with Link(f"{url}?timeout=1&deadman=5") as link, socket.create_connection(place):
+            link.write(0x1A, 50)
+            server.send_signal(signal.SIGTERM)
+            assert server.wait(2) == 0
+            assert board.registers[0x1A] == 0
+            with pytest.raises(LinkError):
+                link.write(0x1A, 1)
