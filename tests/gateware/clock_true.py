@@ -194,7 +194,8 @@ class Case:
     the longest time for which a write waits for its answer, and for which any access waits after the reset.
     `start` is that time of a component whose writes do not wait. `slow` is the longest time for which any
     access waits, so no pin changes meanwhile. `first` is written at the start, and the pins `still` do not
-    change. `clocks` is how long the short form is.
+    change. `clocks` is how long the short form is. `outside` gives
+    the changes of the pins until a clock, if pins at random would never be what the component waits for.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
     turns, turns back, and rests: its edges are so many clocks apart.
@@ -214,6 +215,7 @@ class Case:
     still: Sequence[int] = ()
     clocks: int = 20_000
     clock_hz: int = 2_300_000  # so that a microsecond is no whole number of clocks
+    outside: Callable[[random.Random, int], Iterator[Stimulus]] | None = None
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -224,9 +226,10 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
     draw = random.Random(seed)
     accesses = list(_accesses(draw, one, case, end))
     busy = {at + more for at, what, _, _ in accesses if what in "rw" for more in range(case.slow + 2)}
+    changes = case.outside(draw, end) if case.outside else _pins(draw, one, case, end)
     pins = [
         pin
-        for pin in (_shaft(draw, case, end) if case.shaft else _pins(draw, one, case, end))
+        for pin in (_shaft(draw, case, end) if case.shaft else changes)
         if pin[2] not in case.still and not (case.slow and pin[0] in busy)
     ]
     found = [*accesses, *pins]

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
+from gateware.dshot_line import replies_of_dshot
 
 from unitylink import _native
 from unitylink.interface.components import ComponentConfiguration, components_of
@@ -135,6 +136,20 @@ CASES = {
         Case("frequency_hz=9000, duty_bits=9, form=1", H_BRIDGE, pause=90, quiet=9000),
         Case("frequency_hz=9000, duty_bits=9, form=2, fault_level=0", H_BRIDGE, pause=900, quiet=9000),
     ),
+    "dshot": (
+        Case(
+            "channels=2, kbaud=100, frame_hz=2500, command_frames=2",
+            {k: v for n in (0, 4) for k, v in ((n, (0, 0, 0, 1, 2000, 2047)), (n + 1, (0, 1, 47, 48)))},
+            pause=400,
+        ),
+        Case(
+            "channels=2, kbaud=100, frame_hz=1100, bidirectional=1, failures_most=3",
+            {0: (0, 0, 0, 700), 1: (0, 12)},
+            pause=90,
+            outside=replies_of_dshot,
+        ),
+        Case("channels=1, kbaud=120, frame_hz=1500, bidirectional=1", pause=200, quiet=400),
+    ),
     "i2c_device": (
         Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),
         Case("scl_hz=100000, stretch_us=100, period=300 us, failures_most=2", {0: (1,)}, 200, 900),
@@ -237,6 +252,17 @@ FAULTS = [
     ("quadrature_encoder", 6, "clears  <= '1';", "clears  <= '0';"),
     ("quadrature_encoder", 6, "elsif hold = '0' then", "else"),
     ("quadrature_encoder", 6, "amount(0) <= back;", "amount(0) <= '0';"),
+    ("dshot", 0, "minimum(throttle, to_unsigned(throttle_most, 11))", "throttle"),
+    ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
+    ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),
+    (
+        "dshot",
+        1,
+        "go(receive, half_clocks);\n          elsif timer = 0 then\n            go",
+        "null;\n          elsif timer = 0 then\n            go",
+    ),
+    ("dshot", 1, "(and frame(15 downto 4)) = '1'", "(and frame(15 downto 5)) = '1'"),
+    ("dshot", 1, "timer < heard_clocks", "true"),
     ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
     ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
     ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),

@@ -38,6 +38,16 @@ def test_a_frequency_that_is_too_high_for_the_channels_stops_elaboration(ghdl: A
     )
 
 
+@pytest.mark.parametrize(("kbaud", "bidirectional"), [(600, 1), (300, 0)])
+def test_dshot(ghdl: Any, kbaud: int, bidirectional: int) -> None:
+    ghdl.run("dshot_tb", kbaud=kbaud, bidirectional=bidirectional)
+
+
+def test_more_frames_than_fit_stop_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("dshot_tb", "cannot have 5000 frames a second", frame_hz=5000)
+    ghdl.refuse("dshot_tb", "at least 16 times the bit rate, 9600000", clock_hz=9_000_000)
+
+
 @pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])
 def test_bridge_gates(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("bridge_gates_tb", clock_hz=clock_hz, fault_level=fault_level)

@@ -207,6 +207,12 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "dshot",
+        "a component: four speed controllers with DShot, without replies",
+        top="dshot",
+        mhz_least=50.0,
+    ),
+    Row(
         "h_bridge",
         "a component: a DC motor behind four gates, at 20 kHz",
         top="h_bridge",
