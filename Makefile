@@ -3,6 +3,7 @@
 #   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself,
 #                CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
+#   make demo-serve   the SCARA moves, and its page in the browser shows it; prints the page's URL (SECONDS=20: so long)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your
@@ -57,7 +58,7 @@ TESTS ?= tests
 
 .PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format \
 	long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh \
-	page help
+	page demo-serve help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -87,6 +88,10 @@ demo-pa10: $(VENV)/.built
 	@$(if $(RTL),tools/setup.sh rtl)
 	$(BIN)/python examples/pa10/run.py $(if $(RTL),--rtl) --picture build/pa10.png
 
+demo-serve: $(VENV)/.built
+	@tools/setup.sh group all
+	$(BIN)/python examples/dashboard/run.py $(if $(filter-out file,$(origin SECONDS)),--seconds $(SECONDS))
+
 demo-ros: $(VENV)/.built
 	@tools/setup.sh ros
 	@tools/demo_ros.sh
@@ -105,11 +110,14 @@ unit: $(VENV)/.built $(NATIVE)/.built
 
 develop: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test
+	@tools/setup.sh group browser
 	@tools/setup.sh system
+	@tools/setup.sh page
 
 long: $(VENV)/.built $(NATIVE)/.built
-	@for name in test demo wheel boards; do tools/setup.sh group $$name || exit 1; done
+	@for name in test demo wheel boards browser; do tools/setup.sh group $$name || exit 1; done
 	@tools/setup.sh system
+	@tools/setup.sh page
 	$(BIN)/python -m pytest $(TESTS) -q -m long
 
 check: $(VENV)/.built

@@ -11,6 +11,7 @@
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh coverage       Debian packages that count the executed lines of the gateware
 #   setup.sh page           Node.js, and the npm packages of the dashboard's page
+#   setup.sh browser        the Debian package of a browser, for the tests of that page
 #   setup.sh doctest        the Debian package of the native tests' framework
 #   setup.sh native         the native tests, fuzzers and benches
 #   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
@@ -20,7 +21,7 @@ venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
   native | sanitized | ros2 | page) exec 9>"build/.lock-$1" ;;
-  rtl | ros | system | boards | formal | coverage | doctest) exec 9>build/.lock-system ;;
+  rtl | ros | system | boards | formal | coverage | doctest | browser) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
 flock 9
@@ -83,6 +84,10 @@ need_page() {
   need npm npm command -v npm                                          # fetches what it is made of
 }
 
+need_browser() {
+  need Chromium chromium command -v chromium                           # opens the dashboard's page in the tests
+}
+
 need_ros() {                              # the generated nodes run on the real thing
   need "ROS 1" ros-base command -v roslaunch
   need catkin ros-base-dev eval 'command -v catkin_make && test -e /usr/include/ros/ros.h'
@@ -127,7 +132,8 @@ native() {
   touch -r "$folder.started" "$folder/.built"
 }
 
-case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|coverage|system|doctest|native|sanitized}" in
+steps="build|group|rtl|ros|ros2|boards|formal|coverage|page|browser|system|doctest|native|sanitized"
+case "${1:?usage: setup.sh $steps}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -198,6 +204,10 @@ page)
     || { tail -5 build/npm.log >&2; stop "npm could not install web/package-lock.json (all it said: build/npm.log)"; }
   touch "$stamp"
   ;;
+browser)
+  need_browser
+  install_missing
+  ;;
 system)
   need_rtl
   need_formal
@@ -206,6 +216,8 @@ system)
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need_ros
   need_doctest
+  need_page
+  need_browser
   install_missing
   ;;
 doctest) need_doctest; install_missing ;;

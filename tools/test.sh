@@ -46,9 +46,10 @@ sources() {
   tools/check.sh sources
 }
 packages() {
-  for name in demo wheel docs boards; do tools/setup.sh group "$name"; done
+  for name in demo wheel docs boards browser; do tools/setup.sh group "$name"; done
   "$bin/python" examples/scara/run.py --picture build/scara.png
   [ -s build/scara.png ]
+  tools/setup.sh page
 }
 ros2() { tools/setup.sh ros2; }
 native() {

@@ -25,6 +25,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("walker18", ["--cycles", "1", "--spec", "walker18_si.ul"], "The walker is there."),
         ("pa10", ["--pace", "2"], "Both arms are home again."),
         ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
+        ("dashboard", ["--seconds", "2"], "j1.cpos and 7 more: "),
         ("servo", [], "the limit switch has closed, 1 in all"),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
@@ -35,7 +36,7 @@ def test_example_runs(example: str, arguments: list[str], said: str) -> None:
     assert said in done.stdout
 
 
-@pytest.mark.parametrize("example", ["hello_led", "profile", "scara", "servo", "walker18"])
+@pytest.mark.parametrize("example", ["dashboard", "hello_led", "profile", "scara", "servo", "walker18"])
 def test_example_says_what_is_wrong_with_a_link(example: str) -> None:
     done = run(example, "--link", "tcp://127.0.0.1:1")
     assert done.returncode == 1

@@ -10,7 +10,8 @@ SHORT_FORMS = {
     "demo-walker": "RTL=1",  # what the gateware's own VHDL needs, too
     "demo-pa10": "",
     "demo-ros": "",
-    "page": "",
+    "demo-serve": "SECONDS=3",
+    "page": "CHECK=1",
     "extras": "",
     "test": "TESTS=tests/unit/values",
     "develop": "",

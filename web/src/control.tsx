@@ -32,7 +32,7 @@ export function Control() {
           <button type="button" onClick={take} disabled={held.value.includes(part)}>take control</button>
         </>
       )}
-      <ul aria-label="who controls what" role="status">
+      <div aria-label="who controls what" role="status"><ul>
         {leases.map((one) => (
           <li key={one.part}>
             <b>{shown(one.part)}</b>: {one.ending ? `being made safe, ${one.holder} lost it`
@@ -45,7 +45,7 @@ export function Control() {
             )}
           </li>
         ))}
-      </ul>
+      </ul></div>
     </div>
   );
 }

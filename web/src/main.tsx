@@ -37,8 +37,10 @@ function Page() {
             {robot.user} <button type="button" onClick={logOut}>log out</button>
           </p>
         </section>
-        <section class="right" aria-label="charts, link and events">
+        <section class="drawn" aria-label="charts">
           <Charts />
+        </section>
+        <section class="below" aria-label="link and events">
           <Health />
           <Log />
         </section>
@@ -74,6 +76,7 @@ const token = readUrl();
 keepUrl();
 const stopFirstChart = hello.subscribe((robot) => {
   if (!robot) return;
+  document.title = `Unity-Link: ${robot.robot}`;
   queueMicrotask(() => stopFirstChart());
   const published = items.filter((item) => item.rate_hz > 0 && item.facts.kind === "number");
   const unit = published[0]?.facts.unit;

@@ -28,13 +28,16 @@ export function parsed(item: Item, text: string): unknown {
   return number;
 }
 
-export async function write(values: [Item, unknown][]): Promise<void> {
-  for (const [item] of values) if (!(await confirmed(item.facts.confirm))) return;
+/** Write values together, after the questions of the spec. Return whether they were written. */
+export async function write(values: [Item, unknown][]): Promise<boolean> {
+  for (const [item] of values) if (!(await confirmed(item.facts.confirm))) return false;
   try {
     await ask("write", { values: Object.fromEntries(values.map(([item, value]) => [item.facts.path, value])) });
     for (const [item] of values) setDraft(item.facts.path, null);
+    return true;
   } catch (error) {
     tell((error as Error).message);
+    return false;
   }
 }
 
@@ -60,9 +63,12 @@ export function Setter({ item, verb }: { item: Item; verb: "write" | "pulse" | "
     );
   }
   if (kind === "enum") {
+    const choose = async (box: HTMLSelectElement) => {
+      if (!(await write([[item, parsed(item, box.value)]]))) box.value = item.shown.value;
+    };
     return (
       <select aria-label={`set ${path}`} disabled={!mayWrite} value={item.shown.value}
-        onChange={(event) => write([[item, parsed(item, event.currentTarget.value)]])}>
+        onChange={(event) => choose(event.currentTarget)}>
         {item.shown.value === "–" && <option>–</option>}
         {item.facts.members?.map(([number, member]) => <option key={number}>{member}</option>)}
       </select>

@@ -20,7 +20,7 @@ from unitylink.dashboard.place import Place
 from unitylink.dashboard.server import Dashboard
 from unitylink.server.scopes import Rights
 from unitylink.server.tokens import Tokens, User, digest
-from unitylink.simulate import Board, BoardConfiguration, Registers
+from unitylink.simulate import Board, BoardConfiguration, Plant, Registers
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
@@ -50,10 +50,10 @@ def tokens() -> Tokens:
     return Tokens([(digest(name), User(name, Rights.of(scopes))) for name, scopes in USERS.items()])
 
 
-def spec() -> Spec:
-    compiled = compile_text(TEXT, "arm.ul").spec
-    assert compiled is not None
-    return compiled
+def compiled() -> Spec:
+    spec = compile_text(TEXT, "arm.ul").spec
+    assert spec is not None
+    return spec
 
 
 class Still:
@@ -158,13 +158,21 @@ class Viewer:
 
 
 @contextmanager
-def robot(place: Place | None = None, options: str = "", **board: Any) -> Iterator[Robot]:
-    """Serve the dashboard of a virtual board."""
+def robot(
+    place: Place | None = None,
+    *,
+    spec: Spec | None = None,
+    plant: Plant | None = None,
+    options: str = "",
+    **board: Any,
+) -> Iterator[Robot]:
+    """Serve the dashboard of a virtual board, by default of TEXT. Nothing moves without a plant."""
     log: list[str] = []
-    made = spec()
+    made = spec if spec is not None else compiled()
     with ExitStack() as stack:
         configuration = BoardConfiguration.for_spec(made)
-        served = stack.enter_context(Board(made, configuration=configuration, plant=Still(), **board))
+        plant = plant if plant is not None else Still()
+        served = stack.enter_context(Board(made, configuration=configuration, plant=plant, **board))
         link = stack.enter_context(connect(served.url + options))
         page = stack.enter_context(
             open_dashboard(link, made, tokens(), log.append, place=place, read_hz=20.0)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One browser for all tests, and pages of robots in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from unit.dashboard.robot import Robot, robot
+
+from unitylink.server.rate_limit import RateLimit
+from unitylink.simulate import load_plant
+from unitylink.spec import load
+
+ROOT = Path(__file__).resolve().parents[2]
+ARM = ROOT / "examples" / "dashboard" / "arm.ul"
+FLAGS = [
+    "--no-sandbox",  # tests may run as root
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP evil.test 127.0.0.1",
+]
+SHOWN = ("dashboard", "dashboard-phone", "dashboard-stopped")  # in the documents
+Open = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        made = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def arm() -> Iterator[Robot]:
+    """The SCARA with its plant. Its users are those of `unit.dashboard.robot`."""
+    spec = load(ARM)
+    plant = load_plant("scara", spec)
+    with robot(spec=spec, plant=plant, endpoint="tcp", options="?reconnect=1") as served:
+        served.page.app.logins = RateLimit(1000, 1000)
+        yield served
+
+
+@pytest.fixture
+def open_page(browser: Browser, arm: Robot) -> Iterator[Open]:
+    """Return a function that opens the page as a user. An error in the page fails the test."""
+    contexts: list[BrowserContext] = []
+    wrong: list[str] = []
+
+    def open_one(user: str = "owner", layout: str = "", **options: Any) -> Page:
+        options.setdefault("viewport", {"width": 1280, "height": 860})
+        context = browser.new_context(**options)
+        context.set_default_timeout(15_000)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.goto(f"{arm.page.url}/#{layout}&token={user}")
+        page.get_by_role("heading", name="arm").wait_for()
+        return page
+
+    yield open_one
+    for context in contexts:
+        context.close()
+    assert not wrong
+
+
+@pytest.fixture
+def shoot() -> Callable[[Page, str], None]:
+    """Return a function that keeps a screenshot, with UPDATE_SCREENS=1 for the documents."""
+
+    def keep(page: Page, name: str) -> None:
+        folders = [ROOT / "build" / "screens"]
+        if name in SHOWN and os.environ.get("UPDATE_SCREENS"):
+            folders.append(ROOT / "docs" / "images")
+        for folder in folders:
+            folder.mkdir(parents=True, exist_ok=True)
+            page.screenshot(path=folder / f"{name}.png")
+
+    return keep
