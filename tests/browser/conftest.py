@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
-from unit.dashboard.robot import Robot, robot
+from unit.dashboard.robot import Robot, robot, simulated
 
 from unitylink.server.rate_limit import RateLimit
 from unitylink.simulate import load_plant
@@ -43,16 +43,24 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture
 def arm() -> Iterator[Robot]:
     """The SCARA with its plant. Its users are those of `unit.dashboard.robot`."""
-    spec = load(ARM)
-    plant = load_plant("scara", spec)
-    with robot(spec=spec, plant=plant, endpoint="tcp", options="?reconnect=1") as served:
+    with simulated(Path(os.path.relpath(ARM)), "scara") as served:
         served.page.app.logins = RateLimit(1000, 1000)
         yield served
 
 
 @pytest.fixture
-def open_page(browser: Browser, arm: Robot) -> Iterator[Open]:
-    """Return a function that opens the page as a user. An error in the page fails the test."""
+def wired() -> Iterator[Robot]:
+    """The same on TCP, so that its line can be cut."""
+    spec = load(ARM)
+    plant = load_plant("scara", spec)
+    with robot(spec=spec, plant=plant, endpoint="tcp", options="?reconnect=1") as served:
+        yield served
+
+
+@pytest.fixture
+def open_page(browser: Browser, request: pytest.FixtureRequest) -> Iterator[Open]:
+    """Return a function that opens the robot's page as a user. An error in the page fails the test."""
+    served: Robot = request.getfixturevalue("wired" if "wired" in request.fixturenames else "arm")
     contexts: list[BrowserContext] = []
     wrong: list[str] = []
 
@@ -63,7 +71,7 @@ def open_page(browser: Browser, arm: Robot) -> Iterator[Open]:
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: wrong.append(str(error)))
-        page.goto(f"{arm.page.url}/#{layout}&token={user}")
+        page.goto(f"{served.page.url}/#{layout}&token={user}")
         page.get_by_role("heading", name="arm").wait_for()
         return page
 

@@ -254,11 +254,11 @@ def test_a_value_is_dragged_into_a_chart(open_page: Open) -> None:
     expect(page.get_by_role("region", name="chart of j1.cpos, j2.cpos")).to_be_visible()
 
 
-def test_the_link_is_cut_and_comes_back(open_page: Open, arm: Robot, shoot: Shoot) -> None:
+def test_the_link_is_cut_and_comes_back(open_page: Open, wired: Robot, shoot: Shoot) -> None:
     page = open_page()
     expect(page.locator(".pulse")).to_have_text("● live")
-    spec, port = load(ARM), arm.board.url.rpartition(":")[2]
-    arm.board.close()
+    spec, port = load(ARM), wired.board.url.rpartition(":")[2]
+    wired.board.close()
     expect(page.locator(".pulse")).to_have_text("⚠ link down")
     expect(page.get_by_role("table", name="values of j1").locator(".old").first).to_contain_text("s old")
     shoot(page, "dashboard-cut")
@@ -266,7 +266,7 @@ def test_the_link_is_cut_and_comes_back(open_page: Open, arm: Robot, shoot: Shoo
     with Board(spec, configuration=BoardConfiguration.for_spec(spec), plant=plant, endpoint=f"tcp:{port}"):
         expect(page.locator(".pulse")).to_have_text("● live")
         expect(page.get_by_label("events, the newest first")).to_contain_text("back")
-        arm.link.close()
+        wired.link.close()
 
 
 def test_the_server_goes_and_the_page_says_so(open_page: Open, arm: Robot) -> None:

@@ -37,12 +37,17 @@ export function aligned(
     if (!series) return row;
     const gap = item.rate_hz > 0 ? Math.max(GAP_S, 5 / item.rate_hz) / step_s : Infinity;
     let before = -1;
+    let middle = -Infinity;
     for (let at = series.from(begin_s); at < series.numbers.length; at++) {
       const slot = (series.numbers[at] ?? 0) - first;
       if (slot >= count) break;
       if (before >= 0 && slot - before > gap) row[2 * before + 2] = null;
-      row[2 * slot] = series.least[at];
-      row[2 * slot + 1] = series.greatest[at];
+      const low = series.least[at] ?? NaN;
+      const high = series.greatest[at] ?? NaN;
+      const falls = low + high < middle; // so a line that falls has no teeth
+      row[2 * slot] = falls ? high : low;
+      row[2 * slot + 1] = falls ? low : high;
+      middle = low + high;
       before = slot;
     }
     return row;

@@ -8,6 +8,7 @@ import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from unitylink.dashboard.server import Dashboard
 from unitylink.server.scopes import Rights
 from unitylink.server.tokens import Tokens, User, digest
 from unitylink.simulate import Board, BoardConfiguration, Plant, Registers
-from unitylink.spec import compile_text
+from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
 
 TEXT = """
@@ -178,3 +179,13 @@ def robot(
             open_dashboard(link, made, tokens(), log.append, place=place, read_hz=20.0)
         )
         yield Robot(served, link, page, log)
+
+
+@contextmanager
+def simulated(file: Path, plant: str) -> Iterator[Robot]:
+    """Serve the dashboard of a `sim:` link, whose time is that of the robot, however busy the machine is."""
+    log: list[str] = []
+    with ExitStack() as stack:
+        link = stack.enter_context(connect(f"sim:{file}?plant={plant}"))
+        page = stack.enter_context(open_dashboard(link, load(file), tokens(), log.append, read_hz=20.0))
+        yield Robot(link.board, link, page, log)
