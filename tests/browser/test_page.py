@@ -161,7 +161,7 @@ def test_control_goes_from_one_person_to_another(open_page: Open, arm: Robot, sh
 def test_a_program_and_two_people_share_the_robot(open_page: Open, arm: Robot, shoot: Shoot) -> None:
     """What `make demo-serve` shows: the robot moves by itself, and people look, take over and give back."""
     demo = module_of(ROOT / "examples" / "dashboard" / "run.py")
-    demo.POLITE_S = 0.5
+    demo.POLITE_S = 3.0
     layout = "charts=j1.cpos,j1.pos_sp,j2.cpos/10;j3.cpos/10"
     page, other = open_page("owner", layout), open_page("ben", "charts=j2.spd/5")
     stop = threading.Event()
@@ -178,7 +178,8 @@ def test_a_program_and_two_people_share_the_robot(open_page: Open, arm: Robot, s
         take_control(page)
         expect(value_of(page, "j1", "spd")).to_have_text("0.00 deg/s")
         page.get_by_role("button", name="give back").click()
-        expect(page.get_by_role("status", name="who controls what")).to_contain_text("robot: cem")
+        who = page.get_by_role("status", name="who controls what")
+        expect(who).to_contain_text("robot: cem", timeout=15_000)
         expect(value_of(page, "j2", "spd")).not_to_have_text("0.00 deg/s")
         other.get_by_role("button", name="STOP").click()
         expect(value_of(page, "j2", "spd")).to_have_text("0.00 deg/s")
