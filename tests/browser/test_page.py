@@ -161,7 +161,7 @@ def test_control_goes_from_one_person_to_another(open_page: Open, arm: Robot, sh
 def test_a_program_and_two_people_share_the_robot(open_page: Open, arm: Robot, shoot: Shoot) -> None:
     """What `make demo-serve` shows: the robot moves by itself, and people look, take over and give back."""
     demo = module_of(ROOT / "examples" / "dashboard" / "run.py")
-    demo.POLITE_S = 3.0
+    demo.POLITE_S = 4.0
     layout = "charts=j1.cpos,j1.pos_sp,j2.cpos/10;j3.cpos/10"
     page, other = open_page("owner", layout), open_page("ben", "charts=j2.spd/5")
     stop = threading.Event()

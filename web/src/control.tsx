@@ -14,7 +14,12 @@ export function Control() {
   const [part, setPart] = useState(parts[0] ?? "");
   if (!robot) return null;
   const leases = state.value?.leases ?? [];
-  const take = () => ask("take", { part }).catch(told);
+  const take = async () => {
+    // outputs that are being made safe are so in a moment
+    for (let waits = 0; waits < 30 && state.value?.leases.some((one) => one.ending); waits++)
+      await new Promise((done) => setTimeout(done, 100));
+    ask("take", { part }).catch(told);
+  };
   const release = (one: string) => ask("release", { part: one }).catch(told);
   const seize = async (one: string, holder: string) => {
     const question = `Take ${shown(one)} away from ${holder}? Its outputs get their SAFE values.`;
