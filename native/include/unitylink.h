@@ -49,9 +49,10 @@ enum {
   UL_CANCELLED = 12,     /* another request of the same call failed: this one was not sent, or its read was given up */
   UL_ARGUMENT = 13,      /* a NULL pointer or a struct of unknown size */
   UL_NO_MEMORY = 14,
-  UL_DENIED = 15, /* the dead-man has tripped: no write is executed before ul_arm */
-  UL_DOWN = 16,   /* reconnect=1: the line is gone and is being opened again; nothing was sent */
-  UL_REFUSED = 17 /* a server (serve:) does not let this client do that; nothing was sent to the board */
+  UL_DENIED = 15,    /* the dead-man has tripped: no write is executed before ul_arm */
+  UL_DOWN = 16,      /* reconnect=1: the line is gone and is being opened again; nothing was sent */
+  UL_REFUSED = 17,   /* a server (serve:) does not let this client do that; nothing was sent to the board */
+  UL_LEASE_HELD = 18 /* another client of the server has the write lease; nothing was sent to the board */
 };
 
 typedef struct ul_link ul_link;

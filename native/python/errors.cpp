@@ -26,6 +26,7 @@ const char* class_of(Status status) {
     case Status::denied: return "DeadManTripped";
     case Status::down: return "LinkDown";
     case Status::refused: return "AccessRefused";
+    case Status::lease_held: return "LeaseHeld";
     case Status::range: return "ValueRangeError";
     case Status::bad_url: return "UrlError";
     default: return "LinkError";

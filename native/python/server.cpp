@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The native server for Python: the door, a login at it, and the server of a board.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -49,8 +50,22 @@ Addresses addresses_of(const Ranges& pairs) {
 }
 
 // Addresses are pairs (first, last), rising and apart.
-Grant grant_of(const Ranges& reads, const Ranges& writes, bool arm) {
-  return {.reads = addresses_of(reads), .writes = addresses_of(writes), .arm = arm};
+Grant grant_of(const Ranges& reads, const Ranges& writes, const Ranges& leased, bool arm) {
+  return {.reads = addresses_of(reads), .writes = addresses_of(writes), .leased = addresses_of(leased), .arm = arm};
+}
+
+nb::list wait_news(BoardServer& server, double timeout_s) {
+  std::vector<News> told;
+  {
+    GilRelease release;
+    told = server.wait_news(static_cast<std::uint64_t>(timeout_s * 1e9));
+  }
+  constexpr const char* kinds[] = {"asks", "left", "gone", "silent"};
+  nb::list result;
+  for (const News& news : told) {
+    result.append(nb::make_tuple(news.client, kinds[static_cast<std::size_t>(news.kind)], news.address));
+  }
+  return result;
 }
 
 nb::dict dict_of(const ClientReport& client) {
@@ -133,21 +148,25 @@ void bind_server(nb::module_& module) {
       .def(
           "admit",
           [](PythonServer& self, Knock& knock, const std::string& name, const Ranges& reads, const Ranges& writes,
-             bool arm, const std::string& text) -> std::uint64_t {
-            Grant grant = grant_of(reads, writes, arm);
+             const Ranges& leased, bool arm, const std::string& text) -> std::uint64_t {
+            Grant grant = grant_of(reads, writes, leased, arm);
             Descriptor socket = Door::admit(std::move(knock), text);
             const GilRelease release;
             return self.server.admit(std::move(socket), name, std::move(grant));
           },
-          "knock"_a, "name"_a, "reads"_a, "writes"_a, "arm"_a, "text"_a)
+          "knock"_a, "name"_a, "reads"_a, "writes"_a, "leased"_a, "arm"_a, "text"_a)
       .def(
           "set_grant",
-          [](PythonServer& self, std::uint64_t id, const Ranges& reads, const Ranges& writes, bool arm) {
-            Grant grant = grant_of(reads, writes, arm);
+          [](PythonServer& self, std::uint64_t id, const Ranges& reads, const Ranges& writes, const Ranges& leased,
+             bool arm, std::optional<bool> given) {
+            Grant grant = grant_of(reads, writes, leased, arm);
             const GilRelease release;
-            return self.server.set_grant(id, std::move(grant));
+            return self.server.set_grant(id, std::move(grant), given);
           },
-          "id"_a, "reads"_a, "writes"_a, "arm"_a)
+          "id"_a, "reads"_a, "writes"_a, "leased"_a, "arm"_a, "given"_a.none())
+      .def(
+          "wait_news", [](PythonServer& self, double timeout_s) { return wait_news(self.server, timeout_s); },
+          "timeout_s"_a)
       .def(
           "drop",
           [](PythonServer& self, std::uint64_t id) {

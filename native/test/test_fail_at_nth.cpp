@@ -138,7 +138,7 @@ class Session {
     const ul_status status = one();
     ++Exempt::depth;
     refused_ += status != UL_OK ? 1 : 0;
-    const bool known = (status >= UL_OK && status <= UL_CLOSED) || (status >= UL_BUSY && status <= UL_REFUSED);
+    const bool known = (status >= UL_OK && status <= UL_CLOSED) || (status >= UL_BUSY && status <= UL_LEASE_HELD);
     if (!known || (status != UL_OK && *ul_last_error_text() == 0)) {
       FAIL_CHECK(what_ << ": status " << status << ", '" << ul_last_error_text() << "'");
     }

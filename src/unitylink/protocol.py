@@ -275,6 +275,7 @@ SERVE_ADMITTED: Final = "admitted"
 SERVE_REFUSED: Final = "refused"
 SERVE_LOGIN_MAX: Final = 512
 SERVE_NOT_ALLOWED: Final = 11
+SERVE_LEASE_HELD: Final = 12
 
 APPLICATION_ERRORS: Final = MappingProxyType(
     {

@@ -334,6 +334,7 @@ inline constexpr std::string_view admitted = "admitted";
 inline constexpr std::string_view refused = "refused";
 inline constexpr std::uint32_t login_max = 512;
 inline constexpr std::uint32_t not_allowed = 11;
+inline constexpr std::uint32_t lease_held = 12;
 }  // namespace serve
 
 }  // namespace unitylink::protocol

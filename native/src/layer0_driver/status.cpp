@@ -20,6 +20,7 @@ const char* status_text(Status status) noexcept {
     case Status::cancelled: return "given up, because another request of the same call failed";
     case Status::denied: return "the device's dead-man has tripped, and it writes nothing before it is armed again";
     case Status::refused: return "the server does not allow that; nothing was sent to the board";
+    case Status::lease_held: return "another client has the write lease; nothing was sent to the board";
     case Status::down: return "the line is gone, and is being opened again";
   }
   return "no such status";

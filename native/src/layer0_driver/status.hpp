@@ -26,6 +26,7 @@ enum class Status : std::int32_t {
   denied = 15,         // the dead-man has tripped: no write is executed before arm(). (Only the C ABI has 13 and 14.)
   down = 16,           // the line is gone and is being opened again; nothing was sent
   refused = 17,        // a server does not let this client do that; nothing was sent to the board
+  lease_held = 18,     // another client of the server has the write lease; nothing was sent to the board
 };
 
 [[nodiscard]] const char* status_text(Status status) noexcept;

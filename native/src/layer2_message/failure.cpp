@@ -28,6 +28,7 @@ std::string_view meaning_of(std::string_view error) noexcept {
   if (error == "too_long") return "the reply would not fit into its buffers";
   if (error == "not_allowed")
     return "this server lets your token read here, but not do that; ask who runs it for the scope";
+  if (error == "lease_held") return "another client has the write lease of it, or its outputs are being made safe";
   if (error == "no_group") return "no such group, or more words than one holds";
   return "an error of the gateware";
 }
@@ -167,6 +168,7 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
     case Status::mismatch: return name + ": another device now answers on this port; connect again";
     case Status::denied:
     case Status::refused:
+    case Status::lease_held:
     case Status::bus_error: return refused_text(exchange, name);
     case Status::cancelled: return name + ": given up, because another request of the same call failed";
     case Status::protocol_error:

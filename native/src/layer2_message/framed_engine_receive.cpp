@@ -25,6 +25,7 @@ Status status_of(std::uint8_t status) noexcept {
     case reply_status::bus_timeout: return Status::bus_error;
     case reply_status::denied: return Status::denied;
     case serve::not_allowed: return Status::refused;
+    case serve::lease_held: return Status::lease_held;
     default: return Status::protocol_error;
   }
 }
@@ -128,7 +129,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
       }
       break;
     default:
-      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + serve::not_allowed &&
+      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + serve::lease_held &&
           payload.size() >= frame_head::reply) {
         on_reply(static_cast<std::uint8_t>(frame.kind - device_kind::reply), payload);
         return;

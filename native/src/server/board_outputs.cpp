@@ -91,7 +91,10 @@ void BoardServer::notice_trip() noexcept {
 void BoardServer::look_at_dead_men() {
   const std::uint64_t now = upstream_.link().now_ns();
   for (const auto& client : clients_) {
-    trip_wanted_ = trip_wanted_ || client->session.dead_man_due_ns() <= now;
+    if (client->session.dead_man_due_ns() <= now) {
+      trip_wanted_ = true;
+      tell({.client = client->id, .kind = News::Kind::silent, .address = 0});
+    }
   }
 }
 

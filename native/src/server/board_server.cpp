@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -50,14 +51,36 @@ std::uint64_t BoardServer::admit(Descriptor socket, std::string name, Grant gran
   return id;
 }
 
-bool BoardServer::set_grant(std::uint64_t id, Grant grant) {
+bool BoardServer::set_grant(std::uint64_t id, Grant grant, std::optional<bool> given) {
   const std::scoped_lock lock(mutex_);
   const auto found = std::ranges::find_if(clients_, [id](const auto& client) { return client->id == id; });
   if (found == clients_.end()) {
     return false;
   }
   (*found)->session.set_grant(std::move(grant));
+  if (given) {
+    (*found)->decided = given;
+    wake();
+  }
   return true;
+}
+
+std::vector<News> BoardServer::wait_news(std::uint64_t timeout_ns) {
+  std::unique_lock lock(mutex_);
+  told_.wait_for(lock, std::chrono::nanoseconds(timeout_ns), [this] { return !news_.empty(); });
+  return std::exchange(news_, {});
+}
+
+void BoardServer::ask_for_lease(Session& session, std::uint32_t address) {
+  const auto found = std::ranges::find_if(clients_, [&](const auto& client) { return &client->session == &session; });
+  if (found != clients_.end()) {
+    tell({.client = (*found)->id, .kind = News::Kind::asks, .address = address});
+  }
+}
+
+void BoardServer::tell(const News& news) {
+  news_.push_back(news);
+  told_.notify_one();
 }
 
 bool BoardServer::drop(std::uint64_t id) {
@@ -143,6 +166,11 @@ void BoardServer::turn(bool up) {
   }
   wait_for_descriptors();
   admit_waiting();
+  for (const auto& client : clients_) {
+    if (const std::optional<bool> given = std::exchange(client->decided, std::nullopt); given && !client->gone) {
+      client->session.resume(*given);
+    }
+  }
   look_at_dead_men();
   make_safe();
   for (const auto& client : clients_) {
@@ -264,6 +292,8 @@ void BoardServer::drop_client(std::size_t index) {
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
   upstream_.abandon(client->session);
   fan_out_.remove(client->session);
+  const bool in_order = client->session.left_in_order();
+  tell({.client = client->id, .kind = in_order ? News::Kind::left : News::Kind::gone, .address = 0});
   trip_wanted_ = trip_wanted_ || client->session.dead_man_ticks() > 0;
 }
 

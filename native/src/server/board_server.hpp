@@ -7,9 +7,11 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -39,6 +41,19 @@ struct ServerReport {
   std::uint64_t served = 0;          // clients that have come so far
 };
 
+// What the one who governs has to know.
+struct News {
+  enum class Kind : std::uint8_t {
+    asks,    // the client needs the write lease of `address`
+    left,    // it has closed its link, and then its connection
+    gone,    // its connection has ended, without that
+    silent,  // its dead-man has tripped
+  };
+  std::uint64_t client = 0;
+  Kind kind = Kind::asks;
+  std::uint32_t address = 0;
+};
+
 class BoardServer final : public Host {
  public:
   // The link must be framed. It must exist as long as the server.
@@ -47,8 +62,10 @@ class BoardServer final : public Host {
 
   // Takes a client that has logged in. `name` is for reports. Returns its number.
   std::uint64_t admit(Descriptor socket, std::string name, Grant grant);
-  // Changes what a client may do. False: it is gone.
-  bool set_grant(std::uint64_t id, Grant grant);
+  // Changes what a client may do. If it waits for a lease, `given` decides. False: it is gone.
+  bool set_grant(std::uint64_t id, Grant grant, std::optional<bool> given);
+  // Waits for news. Each is told once.
+  [[nodiscard]] std::vector<News> wait_news(std::uint64_t timeout_ns);
   bool drop(std::uint64_t id);
   // Makes the outputs safe, as a dead-man would.
   void stop_outputs();
@@ -70,6 +87,7 @@ class BoardServer final : public Host {
                                            bool on_event) override;
   [[nodiscard]] std::uint32_t set_dead_man() override;
   [[nodiscard]] std::uint32_t arm() override;
+  void ask_for_lease(Session& session, std::uint32_t address) override;
   void trip() noexcept override { trip_wanted_ = true; }
   [[nodiscard]] std::uint64_t trips() const noexcept override { return report_.trips; }
   void notice_trip() noexcept override;
@@ -80,6 +98,7 @@ class BoardServer final : public Host {
   void harvest();
   void look_at_dead_men();
   void make_safe();
+  void tell(const News& news);
   void receive(Client& client);
   void send(Client& client);
   void watch(Client& client, std::uint32_t wanted);
@@ -105,6 +124,8 @@ class BoardServer final : public Host {
   std::uint32_t board_ticks_ = 0;  // of the board's dead-man
   bool tripped_ = false;
   ServerReport report_;
+  std::vector<News> news_;
+  std::condition_variable told_;
   std::thread thread_;
 };
 

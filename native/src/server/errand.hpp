@@ -34,7 +34,7 @@ struct Errand {
   [[nodiscard]] bool answered() const noexcept {
     const bool told = exchange.status == Status::ok || exchange.status == Status::bus_error ||
                       exchange.status == Status::denied || exchange.status == Status::protocol_error ||
-                      exchange.status == Status::refused;
+                      exchange.status == Status::refused || exchange.status == Status::lease_held;
     return told && exchange.reply_status != Exchange::no_reply;
   }
 };

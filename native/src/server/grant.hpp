@@ -31,7 +31,8 @@ class Addresses {
 
 struct Grant {
   Addresses reads;
-  Addresses writes;
+  Addresses writes;  // if it gets the write lease
+  Addresses leased;  // those of them whose write lease it has
   bool arm = false;  // it may let outputs be written again after the dead-man has tripped
 };
 

@@ -150,6 +150,7 @@ void Session::begin_session(const FrameKey& key) {
   decoder_.set_key(key);
   waiting_.clear();
   waiting_bytes_ = 0;
+  asks_ = refused_ = false;
   running_ = 0;
   alone_ = false;
   for (std::size_t index = 0; index < places_.size(); ++index) {
@@ -195,10 +196,54 @@ bool Session::executed(std::uint16_t id) const noexcept {
   return static_cast<std::uint16_t>(place.id - id) < 0x8000;
 }
 
-bool Session::allowed(std::span<const device::ListWord> words) const noexcept {
-  return std::all_of(words.begin(), words.end(), [this](const device::ListWord& word) {
-    return (word.writes() ? grant_.writes : grant_.reads).has(word.address);
-  });
+// Asks for the lease of a write that is allowed. The request waits meanwhile, and all behind it.
+Session::Lack Session::lack(std::uint32_t address, bool writes) {
+  if (!(writes ? grant_.writes : grant_.reads).has(address)) {
+    return Lack::right;
+  }
+  if (!writes || grant_.leased.has(address)) {
+    return Lack::nothing;
+  }
+  if (std::exchange(refused_, false)) {
+    return Lack::lease;
+  }
+  if (!std::exchange(asks_, true)) {
+    host_.ask_for_lease(*this, address);
+  }
+  return Lack::answer;
+}
+
+// The first thing that `request_` lacks.
+Session::Lack Session::lack() {
+  Lack found = Lack::nothing;
+  const auto look = [&](std::uint32_t address, bool writes) {
+    found = found == Lack::nothing ? lack(address, writes) : found;
+  };
+  if (request_.operation == request_kind::read || request_.operation == request_kind::write) {
+    look(request_.address, request_.operation == request_kind::write);
+  } else if (request_.operation == request_kind::exchange && request_.address < exchanges_.size()) {
+    for (const device::ExchangeWord& word : exchanges_[request_.address].outputs) {
+      look(word.address, true);
+    }
+  }
+  for (const device::ListWord& word : request_.words) {
+    look(word.address, word.writes());
+  }
+  return found;
+}
+
+bool Session::refuses(Lack lack, Status& why) {
+  why = lack == Lack::right ? protocol::serve::not_allowed : protocol::serve::lease_held;
+  const bool refused = lack == Lack::right || lack == Lack::lease;
+  counters_.refused += refused ? 1 : 0;
+  return refused;
+}
+
+void Session::resume(bool given) {
+  if (std::exchange(asks_, false)) {
+    refused_ = !given;
+    pump();
+  }
 }
 
 // ---- out

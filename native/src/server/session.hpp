@@ -61,6 +61,10 @@ class Session {
   // The dead-man of the board has tripped, so none runs.
   void stop_dead_man() noexcept { dead_man_ticks_ = 0; }
   void set_grant(Grant grant) { grant_ = std::move(grant); }
+  // A lease was decided about. Continues with the request that waits for it.
+  void resume(bool given);
+  // Its session was closed, or none was opened. So it leaves in order.
+  [[nodiscard]] bool left_in_order() const noexcept { return !open(); }
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
   // Called by the decoder.
@@ -102,7 +106,11 @@ class Session {
   [[nodiscard]] Status write_control();
   void overlay(const Errand& errand, std::span<std::uint8_t> values) const noexcept;
   [[nodiscard]] std::size_t exchange_inputs(const Errand& errand, std::span<std::uint8_t> data) const noexcept;
-  [[nodiscard]] bool allowed(std::span<const device::ListWord> words) const noexcept;
+  // What a client lacks for a request: nothing, a right, or a lease that it must wait for, or does not get.
+  enum class Lack : std::uint8_t { nothing, right, lease, answer };
+  [[nodiscard]] Lack lack(std::uint32_t address, bool writes);
+  [[nodiscard]] Lack lack();
+  [[nodiscard]] bool refuses(Lack lack, Status& why);
   [[nodiscard]] bool executed(std::uint16_t id) const noexcept;
   [[nodiscard]] Place& place_of(std::uint16_t id) noexcept { return places_[id & (places_.size() - 1)]; }
 
@@ -115,6 +123,8 @@ class Session {
 
   Host& host_;
   Grant grant_;
+  bool asks_ = false;     // a lease is being decided about
+  bool refused_ = false;  // the request that waits does not get its lease
   Counters counters_;
   FrameDecoder decoder_;
   FrameKey key_;

@@ -77,11 +77,10 @@ bool Session::start(const Waiting& next) {
     reply(request_.id, status::order, {});
   } else if (request_.barrier && *request_.barrier != posts_) {
     reply(request_.id, status::behind, {});
-  } else if ((request_.operation == request_kind::write && !grant_.writes.has(request_.address)) ||
-             (request_.operation == request_kind::read && !grant_.reads.has(request_.address)) ||
-             !allowed(request_.words)) {
-    counters_.refused += 1;
-    reply(request_.id, protocol::serve::not_allowed, {});
+  } else if (const Lack lacking = lack(); lacking == Lack::answer) {
+    return false;
+  } else if (Status why = 0; refuses(lacking, why)) {
+    reply(request_.id, why, {});
   } else {
     perform(next);
   }
@@ -167,6 +166,7 @@ bool Session::start_posts() {
     return false;
   }
   const bool lists = (features() & protocol::control_value::feature_lists) != 0;
+  bool waits = false;  // for a lease
   Errand& errand = host_.errand();
   if (lists) {
     errand.body.assign(1, 0);  // the flags
@@ -177,16 +177,21 @@ bool Session::start_posts() {
     const bool whole = next.payload.size() >= 2 && request_.parse_post(next.kind, next.payload, widths());
     const auto number = static_cast<std::uint16_t>(posts_ + errand.posts.size());
     const bool fits = errand.posts.empty() || (lists && errand.body.size() + next.payload.size() <= post_bytes_most);
-    const bool may = whole && allowed(request_.words);
-    if (whole && request_.id == number && ((may && !fits) || (!may && !errand.posts.empty()))) {
+    const bool turn = whole && request_.id == number;
+    if (turn && !fits) {
+      break;
+    }
+    const Lack lacking = turn ? lack() : Lack::nothing;
+    if (lacking == Lack::answer || (lacking != Lack::nothing && !errand.posts.empty())) {
+      refused_ = refused_ || lacking == Lack::lease;  // asked again when those before it are executed
+      waits = lacking == Lack::answer;
       break;
     }
     waiting_bytes_ -= sizeof(Waiting) + next.payload.size();
-    if (!whole || request_.id != number) {
+    if (Status why = 0; !turn) {
       counters_.discarded += 1;  // a repeat, or one before it is missing
-    } else if (!may) {
-      counters_.refused += 1;
-      fail_post(number, protocol::serve::not_allowed);
+    } else if (refuses(lacking, why)) {
+      fail_post(number, why);
       ++posts_;
     } else {
       if (next.kind == request_kind::post && lists) {
@@ -201,7 +206,7 @@ bool Session::start_posts() {
   }
   if (errand.posts.empty()) {
     host_.discard(errand);
-    return true;
+    return !waits;
   }
   errand.session = this;
   errand.operation = request_kind::post;

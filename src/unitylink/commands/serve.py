@@ -81,12 +81,17 @@ def command(
             f"{host} is no loopback address: other machines could reach the server, and tokens go there "
             "unencrypted; if you want that, add --anyone"
         )
+    if len(spec.roots) > 1:
+        raise Failure(
+            f"{spec_file} has several boards: {', '.join(root.name for root in spec.roots)}",
+            "choose one with --root",
+        )
     tokens, fresh = _tokens(token_file)
     named = _named(links, spec)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
     audit = Audit(lambda line: print(line, file=out, flush=True))
     with stopped_by_signals() as stop:
-        robots = [Robot(name, link, spec) for name, link in named.items()]
+        robots = [Robot(name, link, spec, tokens, audit) for name, link in named.items()]
         with Server(robots, tokens, audit, host, port) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)

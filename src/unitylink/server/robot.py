@@ -1,55 +1,72 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One board behind a server: its link, which is opened as often as necessary, and the native server on it."""
+"""One board behind a server: its link, which is opened again if it ends, its native server and its gate."""
 
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 from unitylink.connection import connect
 from unitylink.connection.schemes import scheme_of
-from unitylink.errors import UnityLinkError
+from unitylink.errors import AccessRefused, DeadManTripped, LeaseHeld, LinkError, UnityLinkError
+from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hashes
 from unitylink.layer2_message import Link
 from unitylink.spec.model import Spec
 
-from .grants import grant
-from .scopes import Rights
+from .audit import Audit
+from .gate import Client, Gate, Now
+from .grants import grant, paths_of, words_of
+from .subtree import WHOLE, contains
+from .tokens import Tokens
 
 if TYPE_CHECKING:
     from unitylink._native import BoardServer, Knock
 
 _PAUSE_S = 1.0  # between two attempts to open a link
+_LOOK_S = 0.2  # how often leases are renewed and looked at, if there is no news
 
 
 class Robot:
-    """A board with a name. A thread opens its link, and opens it again if it ends.
+    """A board with a name. A thread opens its link, opens it again if it ends, and decides about leases.
 
-    `away` says why it cannot be used now, or is empty.
+    A client is alive as long as its connection is. Its leases are renewed meanwhile.
     """
 
-    def __init__(self, name: str, url: str, spec: Spec) -> None:
+    def __init__(self, name: str, url: str, spec: Spec, tokens: Tokens, audit: Audit) -> None:
         self.name, self.url, self.spec = name, url, spec
-        self.away = f"{url} is being opened"
         self.opened = threading.Event()  # set after the first attempt
+        self._away = f"{url} is being opened"
+        self._gate = Gate(name, spec.roots[0], tokens, audit)
+        self._paths = paths_of(spec)
+        self._clients: dict[int, Client] = {}  # by the number that the native server gives
         self._link: Link | None = None
         self._server: BoardServer | None = None
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # guards all above
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._keep_open, name=f"serve {name}", daemon=True)
+        self._thread = threading.Thread(target=self._govern, name=f"serve {name}", daemon=True)
         self._thread.start()
 
-    def admit(self, knock: Knock, name: str, rights: Rights, text: str) -> bool:
-        """Hand a client over to the board. Return False, and tell it why, if the board is away."""
+    @property
+    def away(self) -> str:
+        """Why the board cannot be used now, or an empty text."""
         with self._lock:
+            return self._why_away()
+
+    def admit(self, knock: Knock) -> None:
+        """Hand a client over to the board, if its token is known. Raises AccessRefused or UnityLinkError."""
+        with self._lock:
+            client = self._gate.login(knock.token, knock.peer, _now())
             try:
                 server = self._there()
-            except UnityLinkError as error:
-                knock.refuse("away", str(error))
-                return False
-            may = grant(self.spec, rights)
-            server.admit(knock, name, may.reads, may.writes, may.arm, text)
-            return True
+            except UnityLinkError:
+                self._gate.logout(client, _now())
+                raise
+            may = grant(self.spec, client.user.rights)
+            text = f"{client.name} may {client.user.rights}"
+            number = server.admit(knock, client.name, may.reads, may.writes, may.leased, may.arm, text)
+            self._clients[number] = client
 
     def stop_outputs(self) -> None:
         """Make the outputs safe now. Raises UnityLinkError if the board is away."""
@@ -57,9 +74,13 @@ class Robot:
             self._there().stop_outputs()
 
     def report(self) -> dict[str, Any]:
-        """Return the state of the board, of its link and of its clients, as plain values."""
+        """Return the state of the board, of its link, of its clients and leases, as plain values."""
         with self._lock:
             told: dict[str, Any] = {"name": self.name, "link": self.url, "away": self._why_away()}
+            told["leases"] = [
+                {"part": lease.part or "*", "holder": lease.holder, "ending": lease.ending}
+                for lease in self._gate.leases.all()
+            ]
             if self._link is not None and self._server is not None:
                 told["statistics"] = dict(vars(self._link.statistics()))
                 told.update(self._server.report())
@@ -76,7 +97,7 @@ class Robot:
         """Return why clients cannot come in now. Hold the lock."""
         link = self._link
         if link is None or self._server is None:
-            return self.away
+            return self._away
         if link.closed:
             return "its link has ended"
         return "" if link.up else link.trouble or "its line is gone"
@@ -88,36 +109,109 @@ class Robot:
             raise UnityLinkError(f"the board {self.name} is away: {why}")
         return self._server
 
-    def _keep_open(self) -> None:
+    def _govern(self) -> None:
         while not self._closed.is_set():
             with self._lock:
-                if self._link is None or self._link.closed:
+                if self._link is not None and self._link.closed:
                     self._let_go()
-            if self._link is None:
+                server = self._server
+            if server is None:
                 self._open()
                 self.opened.set()
-            self._closed.wait(_PAUSE_S)
+                if self._server is None:
+                    self._closed.wait(_PAUSE_S)
+                continue
+            news = server.wait_news(_LOOK_S)
+            with self._lock:
+                for number, kind, address in news:
+                    if kind == "asks":
+                        self._decide(server, number, address)
+                    elif kind != "silent":
+                        self._left(number, in_order=kind == "left")
+                    elif number in self._clients:
+                        self._gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
+                self._look_at_leases(server)
 
     def _open(self) -> None:
         try:
             once = scheme_of(self.url).once or "reconnect=" in self.url
             link = connect(self.url, reconnect=None if once else True)
         except UnityLinkError as error:
-            self.away = str(error)
+            self._away = str(error)
             return
         try:
             link.check_spec(self.spec.source, wire_hashes(self.spec, self.spec.roots[0].name))
             server = link.serve()
         except UnityLinkError as error:
-            self.away = str(error)
+            self._away = str(error)
             link.close()
             return
         with self._lock:
-            self._link, self._server, self.away = link, server, ""
+            self._link, self._server = link, server
 
     def _let_go(self) -> None:
         if self._server is not None:
             self._server.close()
         if self._link is not None:
+            self._away = "its link has ended"
             self._link.close()
         self._server = self._link = None
+        for number in list(self._clients):
+            self._left(number, in_order=False)
+
+    # ---- leases. Hold the lock
+
+    def _left(self, number: int, in_order: bool) -> None:
+        client = self._clients.pop(number, None)
+        if client is not None:
+            self._gate.logout(client, _now()) if in_order else self._gate.gone(client, _now())
+
+    def _decide(self, server: BoardServer, number: int, address: int) -> None:
+        """Give a client the lease that its write needs, or not."""
+        client = self._clients.get(number)
+        if client is None:
+            return
+        try:
+            self._gate.check_write(client, self._paths.get(address, WHOLE), _now())
+            given = True
+        except (AccessRefused, LeaseHeld):
+            given = False
+        self._tell(server, number, client, given)
+
+    def _tell(self, server: BoardServer, number: int, client: Client, given: bool | None) -> None:
+        held = [lease.part for lease in self._gate.leases.of(client.number)]
+        may = grant(self.spec, client.user.rights, held)
+        server.set_grant(number, may.reads, may.writes, may.leased, may.arm, given)
+
+    def _look_at_leases(self, server: BoardServer) -> None:
+        before = {client.number: self._gate.leases.of(client.number) for client in self._clients.values()}
+        for client in self._clients.values():
+            self._gate.leases.renew(client.number, time.monotonic())
+        for late in self._gate.expire(_now()):
+            for number in [one for one, client in self._clients.items() if client == late]:
+                server.drop(number)
+        for number, client in self._clients.items():
+            held = self._gate.leases.of(client.number)
+            if [lease.part for lease in held] != [lease.part for lease in before[client.number]]:
+                self._tell(server, number, client, None)
+        for part in self._gate.unsafe():
+            if self._make_safe(part):
+                self._gate.made_safe(part, _now())
+
+    def _make_safe(self, part: str) -> bool:
+        """Write the SAFE values of a part. Return False if the board did not take them."""
+        assert self._link is not None
+        mine = words_of(self.spec, lambda path: contains(part, path))
+        words = safe_words(self.spec, 8 * self._link.configuration.data_bytes)
+        safe = [(to, word) for to, word in words if any(first <= to <= last for first, last in mine)]
+        try:
+            self._link.write_many([to for to, _ in safe], [word for _, word in safe])
+        except DeadManTripped:  # then the board has written them all
+            return True
+        except LinkError:
+            return False
+        return True
+
+
+def _now() -> Now:
+    return Now(time.monotonic(), time.time())

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from unitylink import _native
+from unitylink.errors import AccessRefused, UnityLinkError
 from unitylink.protocol import SERVE_VERSION
 
 from .audit import Audit
@@ -24,7 +25,8 @@ CLIENTS_MAX = 1024  # of all robots together
 class Server:
     """Serves robots at HOST:PORT until `close`. `place` is where it listens.
 
-        with Server([Robot("arm", "serial:/dev/ttyUSB0", spec)], tokens, audit, "127.0.0.1", 7450) as server:
+        robot = Robot("arm", "serial:/dev/ttyUSB0", spec, tokens, audit)
+        with Server([robot], tokens, audit, "127.0.0.1", 7450) as server:
             print(server.place)
 
     Raises LinkNotFound if there is no such address here, and LinkBusy if another program has the port.
@@ -84,9 +86,12 @@ class Server:
             return self._refuse(knock, "board", f"{text}; there are: {', '.join(self.robots)}", user)
         if sum(len(one.report().get("clients", ())) for one in self.robots.values()) >= CLIENTS_MAX:
             return self._refuse(knock, "full", f"{CLIENTS_MAX} clients are connected, which is all", user)
-        peer = knock.peer
-        if robot.admit(knock, user.name, user.rights, f"{user.name} may {user.rights}"):
-            self._audit.line("login", time.time(), user=user.name, where=peer, robot=robot.name)
+        try:
+            robot.admit(knock)
+        except AccessRefused as error:  # the token has expired just now
+            self._refuse(knock, "token", str(error), user)
+        except UnityLinkError as error:
+            self._refuse(knock, "away", str(error), user)
         return None
 
     def _robot(self, name: str) -> Robot | None:

@@ -62,8 +62,9 @@ def main() -> None:
     spec = compile_text(SPEC.encode(), "bench.ul").spec
     assert spec is not None
     tokens = Tokens([(digest(TOKEN), User("bench", Rights.of(["admin"])))])
-    robot = Robot("bench", sys.argv[1], spec)
-    with Server([robot], tokens, Audit(lambda line: None), "127.0.0.1", 0) as server:
+    audit = Audit(lambda line: None)
+    robot = Robot("bench", sys.argv[1], spec, tokens, audit)
+    with Server([robot], tokens, audit, "127.0.0.1", 0) as server:
         robot.opened.wait()
         if robot.away:
             raise BenchError(robot.away)

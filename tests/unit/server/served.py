@@ -68,7 +68,8 @@ def served(board: Board | None = None, url: str | None = None) -> Iterator[Serve
     with board or Board(spec, configuration=configuration, endpoint="tcp") as there:
         tokens = Tokens((digest(name), User(name, Rights.of(scopes))) for name, scopes in TOKENS.items())
         lines: list[str] = []
-        robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec)
-        with Server([robot], tokens, Audit(lines.append), "127.0.0.1", 0) as server:
+        audit = Audit(lines.append)
+        robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec, tokens, audit)
+        with Server([robot], tokens, audit, "127.0.0.1", 0) as server:
             assert robot.opened.wait(20)
             yield Served(there, server, lines)

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from tests.unit.server.served import TEXT, Served, arm, served, token_of
-from tests.unit.server.test_serving import socket_of, until
+from tests.unit.server.test_serving import logged_in, socket_of, until
 from unitylink import Link
 from unitylink.errors import LinkClosed, LinkError, OutcomeUnknown
 from unitylink.simulate import Board
@@ -125,15 +125,6 @@ def test_garbage_in_a_session_disturbs_nobody_else(one: Served, seed: int) -> No
             link.write(0x50, 3)
         assert link.read(0x50) == 3
         assert one.board.registers[0x1A] == 0
-
-
-@contextlib.contextmanager
-def logged_in(one: Served, token: str = "all") -> Iterator[socket.socket]:
-    """Yield a socket behind the login, for bytes of one's own."""
-    with socket_of(one) as bare:
-        bare.sendall(f"unitylink-serve 1 arm {token}\n".encode())
-        assert bare.recv(1000).startswith(b"admitted")
-        yield bare
 
 
 def test_half_open_slow_and_many_logins(one: Served) -> None:
