@@ -198,7 +198,8 @@ class Case:
     the changes of the pins until a clock, if pins at random would never be what the component waits for.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
-    turns, turns back, and rests: its edges are so many clocks apart.
+    turns, turns back, and rests: its edges are so many clocks apart. `rest` is the level of all pins between two
+    bursts. Without it they stay as they are.
     """
 
     arguments: str = ""
@@ -216,6 +217,7 @@ class Case:
     clocks: int = 20_000
     clock_hz: int = 2_300_000  # so that a microsecond is no whole number of clocks
     outside: Callable[[random.Random, int], Iterator[Stimulus]] | None = None
+    rest: int | None = None
 
 
 def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int) -> list[Stimulus]:
@@ -272,6 +274,11 @@ def _pins(draw: random.Random, one: ComponentConfiguration, case: Case, end: int
                 levels[pin] ^= 1
                 yield now, "p", pin, levels[pin]
             now += draw.choice((1, 2, 3, 4, 7))
+        if case.rest is not None:
+            for pin in range(count):
+                if levels[pin] != case.rest:
+                    levels[pin] = case.rest
+                    yield now, "p", pin, case.rest
         now += draw.randrange(1, case.quiet)
 
 

@@ -131,6 +131,13 @@ CASES = {
             quiet=9000,
         ),
     ),
+    "estop": (
+        Case("inputs=2, filter=5 us", {0: (0, 1, 1)}, pause=300, quiet=900, rest=1),
+        Case(
+            "inputs=1, closed_level=0, filter=0 us, watchdog=1 ms", {0: (0, 1)}, pause=900, quiet=5000, rest=0
+        ),
+        Case("inputs=16, filter=3 us, watchdog=2 ms", {0: (0, 1)}, pause=1500, quiet=9000, rest=1),
+    ),
     "h_bridge": (
         Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", H_BRIDGE, pause=300, quiet=3000),
         Case("frequency_hz=9000, duty_bits=9, form=1", H_BRIDGE, pause=90, quiet=9000),
@@ -233,6 +240,9 @@ FAULTS = [
     ("pwm", 0, "if servo = 0 and word(word'high) = '1'", "if servo = 1 and word(word'high) = '1'"),
     ("pwm", 1, "      if enable = '0' then", "      if reset = '1' then"),
     ("pwm", 2, "return to_unsigned(servo_maximum_us,", "return to_unsigned(servo_maximum_us + 1,"),
+    ("estop", 0, "enabled_before = '0' and is_open = '0'", "enabled_before = '0'"),
+    ("estop", 1, "silent_clocks = watchdog_clocks;", "silent_clocks = watchdog_clocks - 1;"),
+    ("estop", 2, "if not breaks then", "if silent then"),
     ("quadrature_encoder", 3, "given  <= preset;", "given  <= '0';"),
     ("quadrature_encoder", 0, "total                := by;", "total                := (others => '0');"),
     ("quadrature_encoder", 0, "if has_index(channel) = '0' then", "if true then"),

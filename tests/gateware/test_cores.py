@@ -58,6 +58,11 @@ def test_three_phase_pwm(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("three_phase_pwm_tb", clock_hz=clock_hz, fault_level=fault_level)
 
 
+@pytest.mark.parametrize("closed_level", [0, 1])
+def test_estop(ghdl: Any, closed_level: int) -> None:
+    ghdl.run("estop_tb", closed_level=closed_level)
+
+
 @pytest.mark.parametrize("coast", [0, 1])
 def test_h_bridge(ghdl: Any, coast: int) -> None:
     ghdl.run("h_bridge_tb", coast=coast)

@@ -85,9 +85,7 @@ class Scene:
                 except UnityLinkError as error:
                     raise SystemExit(f"{self.where}: {error}") from None
                 found.append((at, "w", element.address - self.one.base, raw))
-                shown = (
-                    "".join(f" {key}" for key in value) if isinstance(value, dict) else format_value(value)
-                )
+                shown = _fields(value) if isinstance(value, dict) else format_value(value)
                 unit = f" {element.unit}" if element.unit else ""
                 written.append((at * 1e6 / self.clock_hz, f"{name} = {shown.strip()}{unit}"))
                 at += ACCESS_CLOCKS
@@ -233,6 +231,12 @@ def _placed(
         if path.startswith(f"{one.path}.")
     }
     return one, items
+
+
+def _fields(value: dict[str, Any]) -> str:
+    """Return the fields of a packed value that are not 0."""
+    named = (key if field is True else f"{key}={field}" for key, field in value.items() if field)
+    return " ".join(named) or "0"
 
 
 def _whole(value: Any, codec: Codec) -> Any:

@@ -75,6 +75,32 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "estop",
+        "`components/estop`, two contacts, a filter of 3 clocks, a watchdog of 8",
+        depth=18,
+        pdr=True,
+        reach=60,
+        seen={"enable": "dut.enable", "fed": "dut.fed"},
+        not_proven="other numbers of contacts and longer times; the bench measures them",
+        mutants=(
+            Mutant(
+                "estop.vhd",
+                "silent_clocks /= watchdog_clocks then",
+                "is_open = '1' and silent_clocks < 8 then",
+            ),
+            Mutant(
+                "estop.vhd",
+                "if running = '1' and (breaks or silent) then",
+                "if running = '1' and silent then",
+            ),
+            Mutant("estop.vhd", "enabled_before = '0' and is_open = '0'", "enabled_before = '0'"),
+            Mutant("estop.vhd", "enabled_before = '0' and is_open = '0'", "is_open = '0'"),
+            Mutant("estop.vhd", "is_open       <= or open_contacts;", "is_open       <= open_contacts(0);"),
+            Mutant("estop.vhd", "elsif open_clocks /= filter_clocks then", "elsif running = '0' then"),
+            Mutant("estop.vhd", "tripped        <= '0';\n      if", "if"),
+        ),
+    ),
+    Block(
         "spi_device",
         "`components/spi_device`, its lines: mode 1, half a period of 2 clocks, pauses of 3",
         depth=20,

@@ -81,7 +81,7 @@ ROWS = (
             "exchanges": 0,
             "deadman": False,
         },
-        cells_most=1400,
+        cells_most=800,
         mhz_least=97.0,
     ),
     Row(
@@ -210,6 +210,13 @@ ROWS = (
         "dshot",
         "a component: four speed controllers with DShot, without replies",
         top="dshot",
+        mhz_least=50.0,
+    ),
+    Row(
+        "estop",
+        "a component: a stop chain of one contact, without a watchdog",
+        top="estop",
+        cells_most=80,
         mhz_least=50.0,
     ),
     Row(

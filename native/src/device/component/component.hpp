@@ -88,6 +88,7 @@ class Component : public Bus {
   [[nodiscard]] bool is_held(Clock edge) const noexcept { return held_ || edge < free_at_; }
   // What a read of `address` gives from state edge + 1 on.
   void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
+  // Not in a constructor: all outputs are low at first, and a component without its pins may be made.
   void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }
   // The event is high for one clock, from state edge + 1 on.
   void event(std::uint32_t number, Clock edge);
