@@ -198,8 +198,8 @@ class Case:
     the changes of the pins until a clock, if pins at random would never be what the component waits for.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
-    turns, turns back, and rests: its edges are so many clocks apart. `rest` is the level of all pins between two
-    bursts. Without it they stay as they are.
+    turns, turns back, and rests: its edges are so many clocks apart. `rest` is the level of all pins between
+    two bursts. Without it they stay as they are.
     """
 
     arguments: str = ""

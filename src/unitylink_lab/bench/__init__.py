@@ -46,6 +46,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     "generate-1k": ("generators", "measure_thousand"),
     "generate-10k": ("generators", "measure_ten_thousand"),
     "generate-memory": ("generators", "measure_memory"),
+    "components-compile": ("components", "measure_compile"),
+    "components-paced": ("components", "measure_paced"),
     "language-server": ("language_server", "measure"),
     "ros1-out": ("ros", "measure_ros1_out"),
     "ros1-in": ("ros", "measure_ros1_in"),
