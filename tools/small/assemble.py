@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Assemble the program of the small engine (gateware/small/program.asm).
 
-python tools/small/assemble.py            write the VHDL package and the listing
+python tools/small/assemble.py            write the VHDL package, the listing, and the text of each place
 python tools/small/assemble.py --check    write nothing; exit 1 if one of them is stale
 """
 
@@ -295,6 +295,16 @@ def listing(programs: Mapping[str, Program]) -> str:
     return "\n".join([*lines, "```"]) + "\n"
 
 
+def places(program: Program) -> str:
+    """Return the text of each place, as a filter of GTKWave: the place, then what it shows in its stead."""
+    lines = [f"# {NOTE}"]
+    for place, line in enumerate(program.lines):
+        label = f"{line.labels[-1]}:" if line.labels else ""
+        text = f"{place:03X} {label:16}{line.operation} {line.operand}"
+        lines.append(f"{text:50}{'; ' + line.comment if line.comment else ''}".rstrip())
+    return "\n".join(lines) + "\n"
+
+
 def main() -> int:
     """Write the stale files. Return 1 if a file is stale and nothing may be written."""
     try:
@@ -303,6 +313,7 @@ def main() -> int:
         print(f"{SOURCE.name}: {mistake}", file=sys.stderr)
         return 2
     made = {PACKAGE: package(programs), LISTING: listing(programs)}
+    made |= {PACKAGE.with_name(f"{name}_program.txt"): places(program) for name, program in programs.items()}
     stale = [
         path for path, text in made.items() if not path.exists() or path.read_text(encoding="utf-8") != text
     ]

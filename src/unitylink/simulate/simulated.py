@@ -118,7 +118,8 @@ def _gateware(url: str, path: str, options: dict[str, str], settings: _Settings,
             f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
         )
     configuration = rtl_configuration(spec, **settings)
-    return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)
+    steps = options.pop("trace_program", "")
+    return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint, trace_program=steps)
 
 
 def _bitstream(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from unitylink import _native
@@ -15,6 +16,7 @@ from ..board import Board
 from ..plant import AnyPlant
 from .build import Progress, build_model
 from .design import RtlDesign, RtlModel, design_of
+from .trace import traceable
 
 CLOCK_HZ_DEFAULT = 1_000_000  # an ordinary machine runs this in real time, and it is enough for a robot
 
@@ -78,6 +80,8 @@ class RtlBoard(ModelBoard):
     `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). Then what
     moves behind the words is in this design or in a `plant`. By default there is no plant.
 
+    `trace_program` is a file that gets the program steps of the small engine (docs/gateware/framed_small.md).
+
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
     generated design cannot have what the configuration asks for), and everything that Board raises.
     """
@@ -92,10 +96,13 @@ class RtlBoard(ModelBoard):
         endpoint: str = "fd",
         bind: str = "127.0.0.1",
         progress: Progress | None = None,
+        trace_program: str = "",
     ) -> None:
         chosen = configuration if configuration is not None else rtl_configuration(spec)
         check_clock(chosen.components, chosen.clock_hz)  # before a build of half a minute
-        model = build_model(design if design is not None else design_of(spec, chosen), progress)
+        steps = traceable(trace_program, chosen) if trace_program else ""
+        made = design if design is not None else design_of(spec, chosen)
+        model = build_model(replace(made, trace_program=steps), progress)
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
         super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)

@@ -20,12 +20,15 @@ from unitylink.resources import resource_folder
 
 from .cache import cached
 from .design import RtlDesign, RtlModel
+from .trace import program_texts, traced
 from .verilog import either_edge_will_do, model_of, pins_of, stream_ports_of
 
 Progress = Callable[[str], None]
 
 _HERE = Path(__file__).parent
-_MAKERS = [_HERE / name for name in ("build.py", "verilog.py", "lean.py", "model.cpp")]
+_MAKERS = [
+    _HERE / name for name in ("build.py", "verilog.py", "lean.py", "model.cpp", "trace.py", "trace.cpp")
+]
 _VERILATOR = (
     "--cc",
     "--language",
@@ -121,6 +124,7 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
     parts = [
         tools.versions,
         repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()), design.pins)),
+        design.trace_program and repr((design.trace_program, program_texts())),
     ]
     parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
     parts += [f"{name}\n{text}" for name, text in sorted(design.files.items())]
@@ -133,7 +137,10 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
 def _build(design: RtlDesign, tools: _Tools, folder: Path, library: Path, say: Progress) -> None:
     say(f"compiling the gateware of {design.top}, this once: ghdl")
     verilog = netlist_of(design, folder)
-    compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins)
+    calls = ""
+    if design.trace_program:
+        verilog, calls = traced(verilog, design.trace_program)
+    compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins, calls=calls)
 
 
 def netlist_of(design: RtlDesign, folder: Path, *, assertions: bool = True) -> str:
@@ -153,8 +160,11 @@ def compile_netlist(
     tools: _Tools | None = None,
     say: Progress | None = None,
     pins: Sequence[str] = (),
+    calls: str = "",
 ) -> None:
     """Make the shared library of the netlist `verilog` of `top`. `pins` are names of ports of it.
+
+    `calls` is C++ that the netlist calls.
 
     Raises ToolError.
     """
@@ -178,6 +188,7 @@ def compile_netlist(
             ],
             folder,
         )
+        (folder / "calls.cpp").write_text(calls, encoding="utf-8")
         _compile(folder, _kind(verilog, top, pins), top, library, tools=tools, say=say)
 
 
@@ -205,7 +216,7 @@ def _compile(
     # only once need not be fast.
     made = sorted((folder / "made").glob("*.cpp"))
     once = [path for path in made if re.search("Slow|Syms|ConstPool", path.name)]
-    often = [_HERE / "model.cpp", *(path for path in made if path not in once)]
+    often = [folder / "calls.cpp", _HERE / "model.cpp", *(path for path in made if path not in once)]
     lines = [f'#include "{path}"' for path in often]
     lines += ['#pragma GCC optimize("O0")', *(f'#include "{path}"' for path in once)]
     source, target = folder / "model.cpp", folder / "model.o"

@@ -42,6 +42,7 @@ class RtlDesign:
     generics: Mapping[str, Union[int, str, bool]] = field(default_factory=dict)
     pins: tuple[str, ...] = ()
     pin_places: PinPlaces = ()
+    trace_program: str = ""  # the file that gets the program steps of the small engine
 
 
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
