@@ -104,6 +104,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "",
         "- `core` is measured alone: its byte streams and its bus are on pins, without a physical layer.",
         "- `hello_led` and `servo` are complete designs.",
+        "- The bus entities have addresses of 8 bits, because a chip has no more pins.",
         "- 2012 is the original Unity-Link gateware of that year in the same flow.",
         "",
         "Tools:",

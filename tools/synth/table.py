@@ -158,6 +158,24 @@ ROWS = (
         top="servo_top",
         example="servo",
     ),
+    Row(
+        "axi_lite_slave",
+        "the bus: AXI4-Lite to Wishbone, addresses of 8 bits",
+        top="narrow_axi_lite_slave",
+        seeds=SEEDS[:1],
+    ),
+    Row(
+        "wishbone_arbiter",
+        "the same: two masters share a Wishbone",
+        top="narrow_wishbone_arbiter",
+        seeds=SEEDS[:1],
+    ),
+    Row(
+        "wishbone_crossing",
+        "the same: a Wishbone from one clock to another",
+        top="narrow_wishbone_crossing",
+        seeds=SEEDS[:1],
+    ),
     Row("uart", "a physical layer alone: UART with its buffers of 16 bytes", top="uart"),
     Row("ft245_async", "the same: FT245, asynchronous, buffers of 16 bytes", top="ft245_async"),
     Row(
