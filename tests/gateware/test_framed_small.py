@@ -23,6 +23,7 @@ from reference.small_engine import small_settings
 
 from tests.gateware.small_core import BAD, SILENCE, play
 from unitylink import protocol as p
+from unitylink_lab.conformance.chip import ChipPlayer
 
 TICK = 5000  # clocks
 LINE = 40  # clocks of a byte on the fastest line that the engine is made for
@@ -92,6 +93,13 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     answers = play(rtl, settings, steps, **generics)
     for number, (step, told) in enumerate(zip(steps, answers, strict=True)):
         assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("seed", "window"), [(0, 8), (4, 2)])
+def test_a_scenario_on_a_chip(seed: int, window: int) -> None:
+    """The core is unpacked from a bitstream."""
+    test_a_scenario(ChipPlayer(), seed, window, {})
 
 
 def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
