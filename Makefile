@@ -172,6 +172,7 @@ docs: $(VENV)/.built
 	@tools/setup.sh group docs
 	$(BIN)/python tools/docs/pictures.py
 	$(BIN)/python tools/docs/gallery.py
+	$(BIN)/python tools/docs/robots.py
 	$(BIN)/python tools/docs/goodput.py
 	$(BIN)/python tools/docs/experiments.py
 	$(BIN)/python tools/docs/build_site.py

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 RECORD, SCALAR, JOINTS, TWIST = "record", "scalar", "joints", "twist"  # the forms of a topic
+SENSOR, ODOMETRY = "sensor", "odometry"
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,10 @@ class Topic:
     `form` is "record" (a message of the package), "scalar" (std_msgs), "joints" (sensor_msgs/JointState) or
     "twist" (geometry_msgs/Twist). For "twist", `axes` says where each path goes. `queue` messages are kept
     for a slow reader. `reliable` is for ROS 2. `packed` means a scalar that is the raw number of packed bits.
+
+    A "sensor" (sensor_msgs/Imu or BatteryState) has its fields in `axes`. `factors` makes the values those of
+    ROS. "odometry" (nav_msgs/Odometry) has the wheels left and right, and `factors` to rad. Radius and track
+    in m follow.
     """
 
     name: str
@@ -86,6 +91,7 @@ class Topic:
     joints: tuple[Joint, ...] = ()
     axes: tuple[str, ...] = ()
     packed: bool = False
+    factors: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -42,17 +42,34 @@ def factor(element: Element) -> float:
     return _UNITS.get(element.unit, ("", 1.0))[1]
 
 
+def is_angle(element: Element) -> bool:
+    """Is it an angle, in rad or deg?"""
+    return element.unit in ("rad", "deg", "°")
+
+
 def joints_of(instance: Instance, note: Note) -> list[JointValues]:
     """Return the joints among the values that belong directly to an instance.
 
     Without annotations, a published READ in rad, deg, m or mm is a joint's position if a WRITE of the same
     dimension sets it. This is the only one of each, or one whose name begins with the READ's (`hip`,
-    `hip_sp`).
+    `hip_sp`). Of arrays, the values with the same index belong together: `position[1]`, `target[1]`.
     """
     if note.text("type") == "JointState":
         return [_told(instance, note)]
     measured = [e for e in instance.elements if e.publish is not None and e.type.numeric]
     settable = [e for e in instance.elements if e.access in ("WRITE", "READWRITE") and e.type.numeric]
+    found = []
+    for index in dict.fromkeys(_index(element) for element in measured):
+        mine = [element for element in measured if _index(element) == index]
+        set_by = [element for element in settable if _index(element) == index]
+        found += _by_units(instance, note, index, mine, set_by)
+    return found
+
+
+def _by_units(
+    instance: Instance, note: Note, index: str, measured: Sequence[Element], settable: Sequence[Element]
+) -> list[JointValues]:
+    """Return the joints among values with the same index."""
     positions = [e for e in measured if _dimension(e) == "position"]
     found = []
     for position in positions:
@@ -60,7 +77,8 @@ def joints_of(instance: Instance, note: Note) -> list[JointValues]:
         if target is None or target is position:
             continue
         own = len(positions) == 1 and instance.path
-        name = note.text("joint") or joint_name(instance.path if own else position.path)
+        path = instance.path + index if own else position.path
+        name = f"{note.text('joint')}{joint_name(index)}" if note.text("joint") else joint_name(path)
         joint = JointValues(name, {"position": position}, {"position": target})
         for part in ("velocity", "effort"):
             for side, elements in ((joint.measured, measured), (joint.set, settable)):
@@ -69,6 +87,11 @@ def joints_of(instance: Instance, note: Note) -> list[JointValues]:
                     side[part] = other
         found.append(joint)
     return found
+
+
+def _index(element: Element) -> str:
+    """Return "[1]" of `position[1]`, and "" of a value that is not in an array."""
+    return element.name.removeprefix(element.array) if element.array else ""
 
 
 def _told(instance: Instance, note: Note) -> JointValues:
@@ -85,7 +108,8 @@ def _told(instance: Instance, note: Note) -> JointValues:
                     raise note.wrong(f"{part}{suffix}={name!r} is no {what}; there are: {choices}")
                 side[part] = elements[name]
             else:
-                fitting = [e for e in usable if _dimension(e) == part]
+                # a preset of what is measured is no set-point
+                fitting = [e for e in usable if _dimension(e) == part and e not in joint.measured.values()]
                 if len(fitting) == 1:
                     side[part] = fitting[0]
     if not joint.measured and not joint.set:

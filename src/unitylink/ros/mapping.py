@@ -20,10 +20,24 @@ from unitylink.spec.types import EnumType, ValueType
 from unitylink.values import Quantity, field_names
 
 from .field_types import SCALARS, comment, primitive
-from .interface import JOINTS, RECORD, SCALAR, TWIST, Constant, Field, Interface, Joint, Message, Topic
-from .joints import PARTS, JointValues, factor, joints_of
+from .interface import (
+    JOINTS,
+    ODOMETRY,
+    RECORD,
+    SCALAR,
+    SENSOR,
+    TWIST,
+    Constant,
+    Field,
+    Interface,
+    Joint,
+    Message,
+    Topic,
+)
+from .joints import PARTS, JointValues, factor, is_angle, joints_of
 from .names import RESERVED_MESSAGES, constant_name, field_name, message_name, package_name, topic_name
 from .notes import TWIST_AXES, Note
+from .sensors import SENSORS, sensor_fields
 
 JOINT_STATES, JOINT_COMMANDS = "joint_states", "joint_commands"
 COMMANDED = ("WRITE", "READWRITE")
@@ -90,6 +104,10 @@ class _Planner:
             self._twist(instance, note, prefix)
         elif any(note.text(axis) for axis in TWIST_AXES):
             raise note.wrong('linear_x, .. angular_z are for type="Twist"')
+        if note.text("type") in SENSORS:
+            self._sensor(instance, note, prefix)
+        if note.text("type") == "Odometry":
+            self._odometry(instance, note, prefix)
         for joint in joints_of(instance, note):
             self._joint(joint, note)
         for part in instance.instances:
@@ -150,6 +168,37 @@ class _Planner:
         paths = tuple(names[note.text(axis)].path for axis in axes)
         topic = Topic(f"{prefix}cmd_vel", "geometry_msgs/Twist", TWIST, paths, axes=tuple(axes))
         self.commanded.append(topic)
+
+    def _sensor(self, instance: Instance, note: Note, prefix: str) -> None:
+        sensor = SENSORS[note.text("type")]
+        paths: list[str] = []
+        fields: list[str] = []
+        factors: list[float] = []
+        for names, elements, by in sensor_fields(instance, note, sensor):
+            fields += names
+            paths += [element.path for element in elements]
+            factors += [by] * len(names)
+        topic = Topic(f"{prefix}{sensor.topic}", sensor.type, SENSOR, tuple(paths), note.text("frame"))
+        self.published.append(replace(topic, axes=tuple(fields), factors=tuple(factors)))
+
+    def _odometry(self, instance: Instance, note: Note, prefix: str) -> None:
+        elements = {element.path: element for element in instance.walk()}
+        wheels = []
+        for side in ("left", "right"):
+            path = f"{instance.path}.{note.text(side)}" if instance.path else note.text(side)
+            wheel = elements.get(path)
+            if wheel is None or wheel.publish is None or not is_angle(wheel):
+                known = [p for p, e in elements.items() if e.publish is not None and is_angle(e)]
+                what = f"{side}={note.text(side)!r} is no published angle of a wheel"
+                raise note.wrong(f"{what}; there are: {', '.join(known) or 'none'}")
+            wheels.append(wheel)
+        sizes = note.real("radius_m"), note.real("track_m")
+        if min(sizes) <= 0:
+            raise note.wrong("Odometry needs radius_m=.. of the wheels and track_m=.. between them, above 0")
+        paths = tuple(wheel.path for wheel in wheels)
+        factors = (*map(factor, wheels), *sizes)
+        topic = Topic(f"{prefix}odom", "nav_msgs/Odometry", ODOMETRY, paths, note.text("frame", "odom"))
+        self.published.append(replace(topic, factors=factors))
 
     # Messages
 

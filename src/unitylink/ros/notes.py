@@ -17,10 +17,11 @@ _INSTANCE = {
     "queue": int,
     "reliable": bool,
     "joint": str,
-    **dict.fromkeys((*JOINT_PARTS, *TWIST_AXES), str),
+    **dict.fromkeys((*JOINT_PARTS, *TWIST_AXES, "left", "right"), str),
+    **dict.fromkeys(("radius_m", "track_m"), float),
 }
 _ELEMENT = {"name": str, "type": str, "frame": str, "queue": int, "reliable": bool}
-_INSTANCE_TYPES = ("JointState", "Twist")
+_INSTANCE_TYPES = ("JointState", "Twist", "Imu", "BatteryState", "Odometry")
 
 
 class Note:
@@ -50,6 +51,7 @@ class Note:
                 raise self.wrong(f"there is no option {key!r}; there are {', '.join(known)}")
             # the language writes true and false as 1 and 0
             value = bool(given) if known[key] is bool and given in (0, 1) else given
+            value = float(value) if known[key] is float and isinstance(value, int) else value
             if not isinstance(value, known[key]):
                 raise self.wrong(f"{key}={value!r} is not of type {known[key].__name__}")
             if isinstance(value, str) and not value.isprintable():
@@ -64,6 +66,9 @@ class Note:
 
     def number(self, key: str, default: int) -> int:
         return int(self._options.get(key, default))
+
+    def real(self, key: str) -> float:
+        return float(self._options.get(key, 0.0))
 
     def flag(self, key: str, default: bool) -> bool:
         return bool(self._options.get(key, default))

@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .interface import JOINTS, SCALAR, Field, Interface, Topic
+from .interface import JOINTS, ODOMETRY, SCALAR, SENSOR, Field, Interface, Topic
+from .message_parts import Part, message_maker
+from .odometry import Odometry
 from .plane import Plane, Port
+from .sensors import SENSORS
 
 # takes time_s of time.monotonic(), and values in the order of the paths
 Send = Callable[[float, Sequence[Any]], None]
@@ -21,6 +25,10 @@ def sender(interface: Interface, topic: Topic, plane: Plane) -> Send:
         return _scalar(topic, plane, port)
     if topic.form == JOINTS:
         return _joints(topic, plane, port)
+    if topic.form == SENSOR:
+        return _sensor(topic, plane, port)
+    if topic.form == ODOMETRY:
+        return _odometry(topic, plane, port)
     return _record(interface, topic, plane, port)
 
 
@@ -105,5 +113,44 @@ def _joints(topic: Topic, plane: Plane, port: Port) -> Send:
             for column, whole in columns
         ]
         put(make(header(time_s, frame), names, *parts))
+
+    return send
+
+
+def _sensor(topic: Topic, plane: Plane, port: Port) -> Send:
+    def value(index: int, by: float) -> Part:
+        return lambda _, numbers: numbers[index] * by
+
+    parts = {field: value(i, by) for i, (field, by) in enumerate(zip(topic.axes, topic.factors, strict=True))}
+    constants = SENSORS[topic.type.partition("/")[2]].constants
+    make = message_maker(plane, topic.type, parts, constants)
+    put, wanted, header, frame = port.send, port.wanted, plane.header, topic.frame
+
+    def send(time_s: float, numbers: Sequence[Any]) -> None:
+        if wanted():
+            put(make(header(time_s, frame), numbers))
+
+    return send
+
+
+def _odometry(topic: Topic, plane: Plane, port: Port) -> Send:
+    left_by, right_by, radius_m, track_m = topic.factors
+    place = Odometry(radius_m, track_m)
+    parts: dict[str, Part] = {
+        "child_frame_id": lambda *_: "base_link",
+        "pose.pose.position.x": lambda *_: place.x_m,
+        "pose.pose.position.y": lambda *_: place.y_m,
+        "pose.pose.orientation.z": lambda *_: math.sin(place.heading / 2),
+        "pose.pose.orientation.w": lambda *_: math.cos(place.heading / 2),
+        "twist.twist.linear.x": lambda *_: place.speed,
+        "twist.twist.angular.z": lambda *_: place.turn,
+    }
+    make = message_maker(plane, topic.type, parts, {})
+    put, wanted, header, frame = port.send, port.wanted, plane.header, topic.frame
+
+    def send(time_s: float, numbers: Sequence[Any]) -> None:
+        place.turned(time_s, numbers[0] * left_by, numbers[1] * right_by)  # with or without a reader
+        if wanted():
+            put(make(header(time_s, frame), ()))
 
     return send

@@ -22,6 +22,42 @@ STANDARD: dict[str, Fields] = {
     ),
     "geometry_msgs/Vector3": (("x", "float64"), ("y", "float64"), ("z", "float64")),
     "geometry_msgs/Twist": (("linear", "geometry_msgs/Vector3"), ("angular", "geometry_msgs/Vector3")),
+    "geometry_msgs/Point": (("x", "float64"), ("y", "float64"), ("z", "float64")),
+    "geometry_msgs/Quaternion": (("x", "float64"), ("y", "float64"), ("z", "float64"), ("w", "float64")),
+    "geometry_msgs/Pose": (("position", "geometry_msgs/Point"), ("orientation", "geometry_msgs/Quaternion")),
+    "geometry_msgs/PoseWithCovariance": (("pose", "geometry_msgs/Pose"), ("covariance", "float64[36]")),
+    "geometry_msgs/TwistWithCovariance": (("twist", "geometry_msgs/Twist"), ("covariance", "float64[36]")),
+    "nav_msgs/Odometry": (
+        ("header", "std_msgs/Header"),
+        ("child_frame_id", "string"),
+        ("pose", "geometry_msgs/PoseWithCovariance"),
+        ("twist", "geometry_msgs/TwistWithCovariance"),
+    ),
+    "sensor_msgs/Imu": (
+        ("header", "std_msgs/Header"),
+        ("orientation", "geometry_msgs/Quaternion"),
+        ("orientation_covariance", "float64[9]"),
+        ("angular_velocity", "geometry_msgs/Vector3"),
+        ("angular_velocity_covariance", "float64[9]"),
+        ("linear_acceleration", "geometry_msgs/Vector3"),
+        ("linear_acceleration_covariance", "float64[9]"),
+    ),
+    "sensor_msgs/BatteryState": (
+        ("header", "std_msgs/Header"),
+        *(
+            (name, "float32")
+            for name in ("voltage", "temperature", "current", "charge", "capacity", "design_capacity")
+        ),
+        ("percentage", "float32"),
+        ("power_supply_status", "uint8"),
+        ("power_supply_health", "uint8"),
+        ("power_supply_technology", "uint8"),
+        ("present", "bool"),
+        ("cell_voltage", "float32[]"),
+        ("cell_temperature", "float32[]"),
+        ("location", "string"),
+        ("serial_number", "string"),
+    ),
     "diagnostic_msgs/KeyValue": (("key", "string"), ("value", "string")),
     "diagnostic_msgs/DiagnosticStatus": (
         ("level", "uint8"),

@@ -153,7 +153,7 @@ def test_standard_messages_alone() -> None:
             'public s() { @ros(type="Twist") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}',
             "needs its targets",
         ),
-        ('public s() { @ros(type="Imu") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}', "'Imu' is none of"),
+        ('public s() { @ros(type="Gyro") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}', "'Gyro' is none of"),
         (
             'public s() { @ros(type="JointState") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}',
             "no value has a unit",
@@ -221,3 +221,17 @@ def test_unprintable_characters_are_not_in_names_of_ros() -> None:
     assert spec is not None
     with pytest.raises(BindingError, match=r"p\.ul:1: `a`: @ros\(\.\.\): frame='base\\nlink' has characters"):
         plan_interface(spec)
+
+
+def test_joints_come_out_of_arrays() -> None:
+    interface = interface_of(
+        """link l(ADDRESS=8);
+        public stage() { motor: stepgen(axes=3, scale=1/80 mm, rate=100 Hz); }"""
+    )
+    (states,) = [topic for topic in interface.published if topic.name == "joint_states"]
+    (commands,) = [topic for topic in interface.commanded if topic.name == "joint_commands"]
+    assert [joint.name for joint in states.joints] == ["motor_0", "motor_1", "motor_2"]
+    assert states.paths[2:4] == ("motor.position[1]", "motor.velocity[1]")
+    assert states.joints[1].velocity_factor == 1e-3
+    assert commands.paths == tuple(f"motor.target[{axis}]" for axis in range(3))
+    assert [joint.name for joint in commands.joints] == ["motor_0", "motor_1", "motor_2"]

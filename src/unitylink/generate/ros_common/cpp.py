@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from unitylink import protocol
 from unitylink.interface.wire_hash import wire_hashes
-from unitylink.ros.interface import JOINTS, RECORD, SCALAR, Topic
+from unitylink.ros.interface import JOINTS, ODOMETRY, RECORD, SCALAR, SENSOR, Topic
+from unitylink.ros.sensors import SENSORS
 from unitylink.spec.model import Element, Instance, LinkBinding, Spec
 from unitylink.spec.types import Field as BitField
 from unitylink.spec.types import ValueType
@@ -58,7 +60,7 @@ class CppRobot:
     published: tuple[CppTopic, ...]
     commanded: tuple[CppTopic, ...]
     joints: tuple[CppJoint, ...]  # of joint_commands
-    left_out: tuple[str, ...]  # topics whose values are in several groups
+    left_out: tuple[str, ...]  # topics whose values are in several groups, and odometry
     asks_for_frames: str  # the first value that does, and why, or ""
 
 
@@ -95,7 +97,7 @@ class _Cpp:
         for topic in self.interface.published:
             indices = [self.index[path] for path in topic.paths]
             group = next((n for n, g in enumerate(self.groups) if set(indices) <= set(g.values)), None)
-            if group is None:
+            if group is None or topic.form == ODOMETRY:
                 left_out.append(topic.name)
             else:
                 published.append(self._published(topic, group))
@@ -139,6 +141,13 @@ class _Cpp:
                     else:
                         lines.append(Cpp.of("{} = {};", target, self._read(path, raws[position])))
                     position += 1
+        elif topic.form == SENSOR:
+            for name, by, path, raw in zip(topic.axes, topic.factors, topic.paths, raws, strict=True):
+                value = Cpp.of("unitylink::number(values[{}], raws[{}])", self.index[path], raw)
+                lines.append(Cpp.of("message.{} = {} * {};", name, value, by))
+            for name, constant in SENSORS[message].constants.items():
+                told = Cpp("unitylink::none") if math.isnan(constant) else constant
+                lines.append(Cpp.of("message.{} = {};", name, told))
         else:
             for joint in topic.joints:
                 lines.append(Cpp.of("message.name.push_back({});", Cpp.text(joint.name)))
@@ -147,7 +156,9 @@ class _Cpp:
                     for joint in topic.joints:
                         value = self._joint_part(topic, joint, part, raws)
                         lines.append(Cpp.of("message.{}.push_back({});", part, value))
-        stamped = topic.form == JOINTS or (topic.form == RECORD and self.interface.message(topic).stamped)
+        stamped = topic.form in (JOINTS, SENSOR) or (
+            topic.form == RECORD and self.interface.message(topic).stamped
+        )
         return CppTopic(topic, package, message, tuple(lines), group, stamped)
 
     def _joint_part(self, topic: Topic, joint: Any, part: str, raws: Sequence[int]) -> Cpp:

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robots of docs/robots.md: each runs, rests when its program dies, and looks as its picture says."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from unitylink import connect
+from unitylink.cli import main
+from unitylink.layer4_data import Node, load_spec_objects
+from unitylink.ros.mapping import plan_interface
+from unitylink.simulate import Board
+from unitylink.simulate.plant import load_plant
+from unitylink.simulate.rtl import RtlBoard, rtl_configuration
+from unitylink.spec import load
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+PAGE = ROOT / "docs" / "robots.md"
+SILENCE_S = 0.05  # after which the dead-man trips
+REST_S = 0.05  # a ramp, a period of a plant, and the writes of the dead-man
+PATIENCE_S = 60.0
+
+pytestmark = pytest.mark.xdist_group("rtl")
+
+
+class Robot(NamedTuple):
+    clock_hz: int  # that the compiled VHDL needs
+    topics: dict[str, str]
+    start: Callable[[Node], None]  # lets it move for as long as nobody stops it
+    moved: Callable[[Board], float]  # a number that stays the same when its outputs are safe
+
+
+def start_stage(board: Node) -> None:
+    item: Any = board
+    item["motor.speed[0]"].write(100.0)
+    item["motor.acceleration[0]"].write(4000.0)
+    item["motor.velocity_target[0]"].write(40.0)
+    fields = {"enable": True, "velocity_mode": True, "stop_at_limit": True, "latch": "none"}
+    item["motor.control[0]"].write(fields)
+
+
+ROBOTS = {
+    "xyz_stage": Robot(
+        18_000_000,
+        {"joint_states": "sensor_msgs/JointState", "joint_commands": "sensor_msgs/JointState"},
+        start_stage,
+        lambda board: board.components["motor"].steps("step", "direction", 0),
+    ),
+}
+
+
+def until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def board_of(name: str, kind: type[Board]) -> Board:
+    spec = load(EXAMPLES / name / f"{name}.ul")
+    plant = load_plant(str(EXAMPLES / name / "plant.py"), spec)
+    if kind is RtlBoard:
+        configuration = rtl_configuration(spec, clock_hz=ROBOTS[name].clock_hz)
+        return RtlBoard(spec, plant=plant, endpoint="tcp", configuration=configuration)
+    return Board(spec, plant=plant, endpoint="tcp")
+
+
+def rests(board: Board, name: str) -> None:
+    """Its outputs are safe within the time of the dead-man and a ramp, and stay so."""
+    due_s = board.time_s + SILENCE_S + REST_S
+    until(lambda: board.time_s > due_s)
+    before = ROBOTS[name].moved(board)
+    until(lambda: board.time_s > due_s + 0.05)
+    assert ROBOTS[name].moved(board) == before
+    assert board.error is None
+
+
+@pytest.mark.parametrize("kind", [Board, RtlBoard])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_rests_when_its_line_is_cut(name: str, kind: type[Board]) -> None:
+    robot = ROBOTS[name]
+    with board_of(name, kind) as board:
+        link = connect(f"{board.url}?protocol=framed&timeout=2&deadman={SILENCE_S}")
+        robot.start(load_spec_objects(load(EXAMPLES / name / f"{name}.ul"), link))
+        before = robot.moved(board)
+        until(lambda: robot.moved(board) != before)
+        board.hang_up()
+        rests(board, name)
+        link.close()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_rests_when_its_program_is_killed(name: str) -> None:
+    command = [sys.executable, str(EXAMPLES / name / "run.py"), "--link"]
+    with board_of(name, Board) as board:
+        before = ROBOTS[name].moved(board)
+        with subprocess.Popen(
+            [*command, f"{board.url}?deadman={SILENCE_S}"], stdout=subprocess.DEVNULL
+        ) as run:
+            until(lambda: ROBOTS[name].moved(board) != before)
+            run.send_signal(signal.SIGKILL)
+        rests(board, name)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_has_the_topics_of_its_kind(name: str) -> None:
+    spec = EXAMPLES / name / f"{name}.ul"
+    assert len(spec.read_text("utf-8").splitlines()) <= 40
+    interface = plan_interface(load(spec))
+    types = {topic.name: topic.type for topic in (*interface.published, *interface.commanded)}
+    assert types.items() >= ROBOTS[name].topics.items()
+
+
+def builds() -> list[tuple[str, list[str], str]]:
+    """Return (robot, command, what the page tells of it) for each command that the page has."""
+    text = PAGE.read_text("utf-8").replace("\\\n", " ")
+    commands = re.findall(r"^unitylink (build examples/(\w+)/.*)$", text, re.MULTILINE)
+    rows = {
+        tuple(found[:2]): found[2]
+        for found in re.findall(r"^\| `(\w+)` \| `([\w:-]+)` \| (.*) \|$", text, re.M)
+    }
+    return [
+        (name, command.split(), rows[name, command.split()[command.split().index("--board") + 1]])
+        for command, name in commands
+    ]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "command", "told"), builds())
+def test_a_bitstream_is_what_the_page_tells(name: str, command: list[str], told: str, tmp_path: Path) -> None:
+    assert main([*command, "--out", str(tmp_path)]) == 0
+    report = json.loads((tmp_path / "report.json").read_text())
+    used = next(area for area in report["area"] if area["what"] in ("logic cells", "LUT4", "slices"))
+    cells, available, mhz = (float(one.replace(",", "")) for one in re.findall(r"[\d,.]+", told)[:3])
+    assert available == used["available"] and used["used"] < 0.8 * used["available"]
+    assert abs(cells / used["used"] - 1) < 0.03  # the counts of different versions of yosys differ
+    assert report["fmax_hz"] >= report["clock_hz"] and abs(mhz * 1e6 / report["fmax_hz"] - 1) < 0.15
