@@ -27,6 +27,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
         ("dashboard", ["--seconds", "2"], "j1.cpos and 7 more: "),
         ("servo", [], "the limit switch has closed, 1 in all"),
+        ("diff_drive", [], "back, "),
         ("xyz_stage", [], "corner 60, 60: the counters are at 60.0000, 60.0000 mm"),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
@@ -37,7 +38,7 @@ def test_example_runs(example: str, arguments: list[str], said: str) -> None:
     assert said in done.stdout
 
 
-_LINKED = ["dashboard", "hello_led", "profile", "scara", "servo", "walker18", "xyz_stage"]
+_LINKED = ["dashboard", "diff_drive", "hello_led", "profile", "scara", "servo", "walker18", "xyz_stage"]
 
 
 @pytest.mark.parametrize("example", _LINKED)

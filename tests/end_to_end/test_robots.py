@@ -50,7 +50,30 @@ def start_stage(board: Node) -> None:
     item["motor.control[0]"].write(fields)
 
 
+def start_cart(board: Node) -> None:
+    item: Any = board
+    item["left_motor.duty"].write(0.3)
+    item["left_motor.control"].write({"enable": True, "coast": True})
+
+
+def pulses(board: Board) -> float:
+    """Return the pulses of a motor. A pin that stays low has none."""
+    bridge = board.components["left_motor"]
+    return float(sum(bridge.rises("pins", pin) for pin in range(4)))
+
+
 ROBOTS = {
+    "diff_drive": Robot(
+        1_000_000,
+        {
+            "joint_states": "sensor_msgs/JointState",
+            "imu/imu": "sensor_msgs/Imu",
+            "battery/battery": "sensor_msgs/BatteryState",
+            "odom": "nav_msgs/Odometry",
+        },
+        start_cart,
+        pulses,
+    ),
     "xyz_stage": Robot(
         18_000_000,
         {"joint_states": "sensor_msgs/JointState", "joint_commands": "sensor_msgs/JointState"},

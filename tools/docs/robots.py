@@ -33,6 +33,15 @@ class Panel:
 
 
 PICTURES = {
+    "diff_drive": (
+        "A cart with two wheels drives a square",
+        (
+            Panel(
+                "by its gyroscope", "x in m", "y in m", (("it believes", 1, 2), ("true", 5, 6)), square=True
+            ),
+            Panel("by its wheels", "x in m", "y in m", (("it believes", 3, 4), ("true", 5, 6)), square=True),
+        ),
+    ),
     "xyz_stage": (
         "A stage of three stepper axes draws a square",
         (
@@ -87,7 +96,9 @@ def draw_panel(picture: Picture, panel: Panel, rows: list[list[float]], left: fl
     for number, (name, points) in enumerate(lines):
         colour = COLOURS[number]
         picture.path([place(x, y) for x, y in points], colour)
-        picture.text(left + 90 * number + 90, 34, name, colour=colour, style=SMALL)
+        picture.text(
+            left + width - 80 * (len(lines) - 1 - number), 34, name, anchor="end", colour=colour, style=SMALL
+        )
     picture.text(left + width, top + height + 34, panel.across, anchor="end", colour=FAINT, style=SMALL)
     picture.text(left, top - 8, panel.up, colour=FAINT, style=SMALL)
 
