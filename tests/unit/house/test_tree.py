@@ -17,7 +17,8 @@ def test_licence_line() -> None:
 
 
 def test_files_fit_in_the_head() -> None:
-    long = [f"{f}: {n}" for f in files(CODE) if (n := len(text(f).splitlines())) > 450]
+    written = [file for file in files(CODE) if file.parts[:2] != ("tests", "golden")]  # those are made
+    long = [f"{f}: {n}" for f in written if (n := len(text(f).splitlines())) > 450]
     assert not long, "split these (one noun a file):\n" + "\n".join(long)
 
 
