@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from unitylink.errors import AccessRefused, UnknownName, ValueRangeError, shown
+from unitylink.errors import UnknownName, ValueRangeError, shown
 from unitylink.layer4_data import ClearValue, Node, PulseValue, Value, ValueGroup, WriteValue
 from unitylink.server.gate import Client, Gate, Now
 from unitylink.server.subtree import contains
@@ -35,12 +35,13 @@ class Desk:
     the board after the SAFE values of a lost lease. After a stop, nobody writes before `arm`.
     """
 
-    def __init__(self, robot: Node, gate: Gate) -> None:
+    def __init__(self, robot: Node, gate: Gate, shared: threading.Lock | None = None) -> None:
+        """`shared` guards a gate that a server keeps, which then makes lost parts safe by itself."""
         self.robot = robot
-        self.stopped_by = ""
         self._gate = gate
         self._values = {value.path: value for value in robot}
-        self._gate_lock = threading.Lock()  # held for no longer than a look into tables
+        self._keeps = shared is None
+        self._gate_lock = shared if shared is not None else threading.Lock()
         self._board_lock = threading.Lock()  # held while a request is under way
 
     @contextmanager
@@ -78,8 +79,6 @@ class Desk:
         with self._board_lock:
             with self.gate() as gate:
                 moment = now()
-                if self.stopped_by:
-                    raise AccessRefused(f"{self.stopped_by} has stopped the robot; arm it before you write")
                 for path in values:
                     gate.check_write(client, path, moment)
             send()
@@ -95,11 +94,11 @@ class Desk:
         """
         with self.gate() as gate:
             gate.stopped(client, now())
-            self.stopped_by = client.name
         self.robot.apply_safe()
         with self._board_lock:
             self.robot.apply_safe()
-            self._note_safe(("",))
+            if self._keeps:
+                self._note_safe(("",))
         return sum(value.writable and value.quantity.safe is not None for value in self._values.values())
 
     def arm(self, client: Client) -> None:
@@ -109,7 +108,8 @@ class Desk:
         for link in self.robot.links:
             if link.protocol == "framed" and (dead_man := link.dead_man()) is not None and dead_man.tripped:
                 link.arm()
-        self.stopped_by = ""
+        with self.gate() as gate:
+            gate.armed(client, now())
 
     def keep_safe(self) -> tuple[Client, ...]:
         """End leases that are over, and write the SAFE values of their parts. Call it often.
@@ -117,6 +117,8 @@ class Desk:
         Return the clients whose tokens have expired. Raises a LinkError if the board did not answer. Then
         the parts stay closed, and the next call tries again.
         """
+        if not self._keeps:
+            return ()
         with self.gate() as gate:
             expired = gate.expire(now())
             unsafe = gate.unsafe()

@@ -193,11 +193,12 @@ class Station:
                 }
                 for lease in gate.leases.all()
             ]
+            stopped_by = gate.stopped_by
             users = [client.name for client in gate.clients()]
         return {
             "up": self.link.up,
             "trouble": self.link.trouble,
-            "stopped_by": self.desk.stopped_by,
+            "stopped_by": stopped_by,
             "leases": leases,
             "users": sorted(set(users)),
             "viewers": len(self.viewers),

@@ -7,7 +7,7 @@ import datetime
 import json
 from collections.abc import Callable
 
-EVENTS = ("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "refused")
+EVENTS = ("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "arm", "refused")
 
 
 class Audit:

@@ -77,6 +77,7 @@ class Gate:
         self._lines = RateLimit(REFUSED_RATE_HZ, REFUSED_BURST)
         self._noted: set[str] = set()  # parts whose loss is in the audit log
         self.refused = 0
+        self.stopped_by = ""  # who has stopped the robot, until somebody arms it
 
     # -- who is there
 
@@ -141,9 +142,16 @@ class Gate:
         """Raises AccessRefused if this user may not arm the robot after a stop."""
         self._check(client, "arm", WHOLE, now)
 
+    def armed(self, client: Client, now: Now) -> None:
+        """End a stop, so that users can write again. Raises AccessRefused if this user may not."""
+        self.check_arm(client, now)
+        self.stopped_by = ""
+        self._log("arm", now, client)
+
     def stopped(self, client: Client, now: Now) -> None:
-        """Note that a user stopped the robot. All leases are lost, so that nobody goes on by accident."""
+        """Note that a user stopped the robot. All leases are lost, and nobody writes before `armed`."""
         self._known(client, now)
+        self.stopped_by = client.name
         self.leases.break_up(WHOLE, client.name)
         self._note_lost(now)
         self._log("stop", now, client)
@@ -211,6 +219,10 @@ class Gate:
 
     def _check(self, client: Client, action: str, part: str, now: Now) -> None:
         self._known(client, now)
+        if action == "write" and self.stopped_by:
+            raise AccessRefused(
+                f"{self.stopped_by} has stopped the robot; nobody writes before somebody arms it"
+            )
         if client.user.rights.allow(action, part):
             return
         self._refused(now, action, client=client, part=part)

@@ -34,7 +34,8 @@ def calm(arm: Robot) -> Iterator[None]:
             if not gate.leases.all():
                 break
         time.sleep(0.01)
-    desk.stopped_by = ""
+    with desk.gate() as gate:
+        gate.stopped_by = ""
 
 
 def test_the_page_and_what_it_is_made_of(arm: Robot) -> None:

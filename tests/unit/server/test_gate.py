@@ -45,6 +45,24 @@ def later(seconds):
     return Now(START.steady_s + seconds, START.wall_s + seconds)
 
 
+def test_after_a_stop_nobody_writes_before_it_is_armed(robot):
+    ana, cem, root = enter(robot, "ana"), enter(robot, "cem"), enter(robot, "root")
+    robot.take(ana, "j1", 60.0, START)
+    robot.stopped(cem, START)  # who may only read may stop
+    for part in robot.unsafe():
+        robot.made_safe(part, START)
+    for client in (ana, root):
+        with pytest.raises(AccessRefused, match="cem has stopped the robot"):
+            robot.check_write(client, "j1.target", START)
+        with pytest.raises(AccessRefused, match="cem has stopped the robot"):
+            robot.take(client, "j2", 1.0, START)
+    with pytest.raises(AccessRefused, match="ana may not arm"):
+        robot.armed(ana, START)
+    robot.armed(root, START)
+    robot.check_write(ana, "j1.target", START)
+    assert events(robot)[-2:] == ["arm", "lease"]
+
+
 def test_an_unknown_token_is_refused_and_told(robot):
     with pytest.raises(AccessRefused, match="arm: the server does not know this token"):
         enter(robot, "a-wrong-token")
