@@ -6,6 +6,8 @@ from __future__ import annotations
 import os
 import re
 import sys
+import tempfile
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
@@ -18,6 +20,7 @@ from .root_option import part_of, root_option
 from .serving import is_loopback, place_of
 
 if TYPE_CHECKING:
+    from unitylink.dashboard.place import Place
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens
     from unitylink.spec.model import Spec
@@ -39,6 +42,9 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.option(
     "--audit", "audit_file", metavar="FILE", help="Add a line for each login and refusal (else stderr)."
 )
+@click.option(
+    "--page", metavar="[HOST:]PORT", help="Also serve the board's page for browsers (unitylink dashboard)."
+)
 @root_option("Serve one board")
 @json_option("the address")
 def command(
@@ -49,6 +55,7 @@ def command(
     anyone: bool,
     token_file: str | None,
     audit_file: str | None,
+    page: str | None,
     root: str | None,
     as_json: bool,
 ) -> None:
@@ -62,15 +69,22 @@ def command(
 
     If a board is away, the server waits for it. Programs are told so.
 
+    With --page, people share the board with the programs: at any time, one of them all writes a part. The
+    page is for one board, which must be there at the start.
+
     \b
     Examples:
       unitylink serve serial:/dev/ttyUSB0 arm.ul
+      unitylink serve sim:arm.ul arm.ul --page 8080
       unitylink serve left=tcp://10.0.0.7:5555 right=tcp://10.0.0.8:5555 arm.ul --token-file tokens.toml
       UNITYLINK_TOKEN=... unitylink watch serve://127.0.0.1:7450/arm --spec arm.ul
     """
+    from unitylink.dashboard.place import read_place
     from unitylink.server.audit import Audit
     from unitylink.server.robot import Robot
+    from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
+    from unitylink.server.tokens import User, new_token
     from unitylink.spec import load
 
     spec = part_of(load(spec_file), root)
@@ -87,16 +101,26 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
+    page_token = new_token()  # with which the page reads the board, as one more program
+    if page is not None:
+        tokens = tokens.with_user(page_token, User("page", Rights.of(["read"])))
     named = _named(links, spec)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
     audit = Audit(lambda line: print(line, file=out, flush=True))
-    with stopped_by_signals() as stop:
+    place = read_place(page) if page is not None else None
+    if place is not None and place.exposed and not anyone:
+        raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
+    if place is not None and len(named) > 1:
+        raise click.UsageError("--page is for one board; start a server for each")
+    with stopped_by_signals() as stop, ExitStack() as pages:
         robots = [Robot(name, link, spec, tokens, audit) for name, link in named.items()]
         with Server(robots, tokens, audit, host, port) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)
-            _announce(server, spec, spec_file, fresh, as_json)
+            url = _serve_page(pages, server, page_token, spec, place) if place is not None else None
+            _announce(server, spec, spec_file, fresh, as_json, page=url)
             stop.wait()
+            pages.close()  # before the link
     if audit_file:
         out.close()
 
@@ -129,15 +153,34 @@ def _tokens(path: str | None) -> tuple[Tokens, str]:
     return Tokens([(digest(token), User("owner", Rights.of(["admin"])))]), token
 
 
-def _announce(server: Server, spec: Spec, spec_file: str, token: str, as_json: bool) -> None:
+def _serve_page(pages: ExitStack, server: Server, token: str, spec: Spec, place: Place) -> str:
+    """Serve the page of a board until `pages` is closed. Return its URL."""
+    from unitylink.connection import connect
+    from unitylink.dashboard.opening import page_of
+
+    (robot,) = server.robots.values()
+    link, gate, lock = robot.share()
+    file = pages.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))  # noqa: SIM115
+    file.write(token)
+    file.flush()
+    url = f"serve://{server.place}/{robot.name}?token_file={file.name}"
+    reader = pages.enter_context(connect(url, reconnect=True))
+    return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place)).url
+
+
+def _announce(
+    server: Server, spec: Spec, spec_file: str, token: str, as_json: bool, *, page: str | None
+) -> None:
     """Print where the boards are, the token, and a command to try."""
     urls = {name: f"serve://{server.place}/{name}" for name in server.robots}
     if as_json:
-        print_json({"urls": urls, "token": token or None}, indent=None)
+        print_json({"urls": urls, "token": token or None, "page": page}, indent=None)
     else:
         for name, robot in server.robots.items():
             away = f" (it is away: {robot.away})" if robot.away else ""
             click.echo(f"serving {robot.url} at {urls[name]}{away}")
+        if page:
+            click.echo(f"its page:  {page}/" + (f"#token={token}" if token else ""))
         if token:
             click.echo(f"the token of this start, for everything:  export UNITYLINK_TOKEN={token}")
         first = next((name for name, element in spec.walk() if element.access == "READ"), None)

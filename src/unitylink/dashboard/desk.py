@@ -111,23 +111,22 @@ class Desk:
         with self.gate() as gate:
             gate.armed(client, now())
 
-    def keep_safe(self) -> tuple[Client, ...]:
+    def keep_safe(self) -> None:
         """End leases that are over, and write the SAFE values of their parts. Call it often.
 
-        Return the clients whose tokens have expired. Raises a LinkError if the board did not answer. Then
-        the parts stay closed, and the next call tries again.
+        Raises a LinkError if the board did not answer. Then the parts stay closed, and the next call tries
+        again. A server that shares the gate does this itself.
         """
         if not self._keeps:
-            return ()
+            return
         with self.gate() as gate:
-            expired = gate.expire(now())
+            gate.expire(now())
             unsafe = gate.unsafe()
         if unsafe:
             with self._board_lock:
                 for part in unsafe:
                     self._make_safe(part)
                 self._note_safe(unsafe)
-        return expired
 
     def _make_safe(self, part: str) -> None:
         safe = {

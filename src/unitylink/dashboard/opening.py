@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from unitylink.server.gate import Gate
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.server.tokens import Tokens
-    from unitylink.spec.model import Spec
+    from unitylink.spec.model import Instance, Spec
 
     from .place import Place
     from .server import Dashboard
@@ -41,6 +42,28 @@ def open_dashboard(
         with open_dashboard(link, spec, tokens, print) as page:
             print(page.url)
     """
+    chosen = _board(spec, root)
+    gate = Gate(chosen.name, chosen, tokens, Audit(put))
+    with page_of(link, spec, gate, place=place, root=root, read_hz=read_hz) as page:
+        yield page
+
+
+@contextmanager
+def page_of(
+    link: Link,
+    spec: Spec,
+    gate: Gate,
+    shared: threading.Lock | None = None,
+    *,
+    reader: Link | None = None,
+    place: Place | None = None,
+    root: str | None = None,
+    read_hz: float = 5.0,
+) -> Iterator[Dashboard]:
+    """Do the same with a gate that is there. `shared` guards it, if a server keeps it and asks it, too.
+
+    Values come by `reader`, for example the `serve:` link of that server, or else by `link`, which writes.
+    """
     for package in ("starlette", "uvicorn", "websockets"):
         try:
             __import__(package)
@@ -51,14 +74,19 @@ def open_dashboard(
     from .server import Dashboard
     from .station import Station
 
+    chosen = _board(spec, root)
+    robot = load_spec_objects(spec, link, root=root)
+    reader = reader if reader is not None else link
+    values = {value.path: value for value in load_spec_objects(spec, reader, root=root)}
+    with Feed(reader, [values[element.path] for element in chosen.walk()], read_hz) as feed:
+        station = Station(reader, chosen, robot, Desk(robot, gate, shared), feed)
+        with Dashboard(station, place) as page:
+            yield page
+
+
+def _board(spec: Spec, root: str | None) -> Instance:
+    """Return the board of the page."""
     if root is None and len(spec.roots) > 1:
         boards = ", ".join(one.name for one in spec.roots)
         raise BindingError(f"{spec.source} has several boards ({boards}); choose one with --root")
-    chosen = spec.root(root) if root is not None else spec.roots[0]
-    robot = load_spec_objects(spec, link, root=root)
-    gate = Gate(chosen.name, chosen, tokens, Audit(put))
-    values = {value.path: value for value in robot}
-    with Feed(link, [values[element.path] for element in chosen.walk()], read_hz) as feed:
-        station = Station(link, chosen, robot, Desk(robot, gate), feed)
-        with Dashboard(station, place) as page:
-            yield page
+    return spec.root(root) if root is not None else spec.roots[0]

@@ -105,10 +105,12 @@ class Station:
         while not stop.is_set():
             await asyncio.sleep(0.1)
             try:
-                expired = await loop.run_in_executor(self._keeper, self.desk.keep_safe)
+                await loop.run_in_executor(self._keeper, self.desk.keep_safe)
                 failed = ""
+                with self.desk.gate() as gate:
+                    present = set(gate.clients())
                 for viewer in list(self.viewers):
-                    if viewer.client in expired:
+                    if viewer.client not in present:
                         viewer.dismiss("your token has expired")
                 if time.monotonic() - asked_s >= 1.0:
                     asked_s = time.monotonic()

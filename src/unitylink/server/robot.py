@@ -41,6 +41,7 @@ class Robot:
         self._gate = Gate(name, spec.roots[0], tokens, audit)
         self._paths = paths_of(spec)
         self._clients: dict[int, Client] = {}  # by the number that the native server gives
+        self._told: dict[int, list[str]] = {}  # the parts that the native server lets each client write
         self._link: Link | None = None
         self._server: BoardServer | None = None
         self._lock = threading.Lock()  # guards all above
@@ -67,6 +68,16 @@ class Robot:
             text = f"{client.name} may {client.user.rights}"
             number = server.admit(knock, client.name, may.reads, may.writes, may.leased, may.arm, text)
             self._clients[number] = client
+
+    def share(self) -> tuple[Link, Gate, threading.Lock]:
+        """Return the link, the gate, and the lock that guards the gate, for others who serve the same board.
+
+        Raises UnityLinkError if the board is away.
+        """
+        with self._lock:
+            self._there()
+            assert self._link is not None
+            return self._link, self._gate, self._lock
 
     def stop_outputs(self) -> None:
         """Make the outputs safe now. Raises UnityLinkError if the board is away."""
@@ -163,6 +174,7 @@ class Robot:
 
     def _left(self, number: int, in_order: bool) -> None:
         client = self._clients.pop(number, None)
+        self._told.pop(number, None)
         if client is not None:
             self._gate.logout(client, _now()) if in_order else self._gate.gone(client, _now())
 
@@ -179,20 +191,22 @@ class Robot:
         self._tell(server, number, client, given)
 
     def _tell(self, server: BoardServer, number: int, client: Client, given: bool | None) -> None:
-        held = [lease.part for lease in self._gate.leases.of(client.number)]
+        self._told[number] = held = self._held(client)
         may = grant(self.spec, client.user.rights, held)
         server.set_grant(number, may.reads, may.writes, may.leased, may.arm, given)
 
+    def _held(self, client: Client) -> list[str]:
+        return [lease.part for lease in self._gate.leases.of(client.number)]
+
     def _look_at_leases(self, server: BoardServer) -> None:
-        before = {client.number: self._gate.leases.of(client.number) for client in self._clients.values()}
         for client in self._clients.values():
             self._gate.leases.renew(client.number, time.monotonic())
         for late in self._gate.expire(_now()):
             for number in [one for one, client in self._clients.items() if client == late]:
                 server.drop(number)
         for number, client in self._clients.items():
-            held = self._gate.leases.of(client.number)
-            if [lease.part for lease in held] != [lease.part for lease in before[client.number]]:
+            # others may have changed them, too: a person who stops the robot at its page
+            if self._held(client) != self._told.get(number, []):
                 self._tell(server, number, client, None)
         for part in self._gate.unsafe():
             if self._make_safe(part):

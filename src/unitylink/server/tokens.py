@@ -88,6 +88,10 @@ class Tokens:
             return None
         return found
 
+    def with_user(self, token: str, user: User) -> Tokens:
+        """Return the same with one more user."""
+        return Tokens((*self._entries, (digest(token), user)))
+
     def __len__(self) -> int:
         return len(self._entries)
 

@@ -72,7 +72,7 @@ class Robot:
 
     def __init__(self, board: Board, link: Link, page: Dashboard, log: list[str]) -> None:
         self.board, self.link, self.page, self.log = board, link, page, log
-        self.host = page.url.partition("//")[2]
+        self.host = page.url.partition("//")[2] if page else ""
 
     def request(
         self, method: str, path: str, body: Any = None, **headers: str

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Programs at `serve://` and a person at the page share one board, one gate and one stop."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from unit.dashboard.robot import TEXT
+from unit.dashboard.robot import Robot as Page
+from unit.server.served import Served, served
+
+from unitylink.cli import main
+from unitylink.dashboard.opening import page_of
+from unitylink.errors import AccessRefused, LeaseHeld
+from unitylink.layer4_data import load_spec_objects
+from unitylink.server.rate_limit import RateLimit
+
+TARGET, POWER = 0x1A, 0x1B
+
+
+@pytest.fixture
+def both() -> Iterator[tuple[Served, Page]]:
+    with ExitStack() as stack:
+        one = stack.enter_context(served())
+        link, gate, lock = one.robot.share()
+        reader = stack.enter_context(one.link("looks", "&reconnect=1"))
+        page = stack.enter_context(page_of(link, one.robot.spec, gate, lock, reader=reader))
+        page.app.logins = RateLimit(1000, 1000)
+        yield one, Page(one.board, link, page, one.lines)
+
+
+def test_two_programs_and_a_page_share_a_board(both: tuple[Served, Page]) -> None:
+    one, page = both
+    with one.link() as ana, one.link("looks") as ben, page.viewer("all") as person:
+        robot = load_spec_objects(one.robot.spec, ana)
+        robot["target"].write(7)  # type: ignore[union-attr]
+        assert ben.read(TARGET) == 7
+        person.until(lambda: person.values.get("target") == 7 and "position" in person.values)
+        assert "all holds the write lease of target" in person.ask("write", values={"target": 1})
+        assert person.ask("write", values={"power": 3}) == ""
+        with pytest.raises(LeaseHeld):
+            ana.write(POWER, 9)
+        assert (one.board.registers[TARGET], one.board.registers[POWER]) == (7, 3)
+    until(lambda: one.board.registers[POWER] == 0)  # the page has gone without a word
+
+
+def test_a_stop_at_the_page_holds_the_programs_until_a_person_goes_on(both: tuple[Served, Page]) -> None:
+    one, page = both
+    with one.link() as ana, page.viewer("all") as person:
+        ana.write(TARGET, 50)
+        status, _, body = page.request("POST", "/stop", cookie=page.log_in("looks"))
+        assert status == 200 and json.loads(body)["wrote"] == 2
+        refused = 0
+        for _ in range(100):  # a program that goes on as if nothing had happened
+            try:
+                ana.write(TARGET, 60)
+            except (AccessRefused, LeaseHeld):
+                refused += 1
+            time.sleep(0.005)
+        assert refused > 20
+        until(lambda: one.board.registers[TARGET] == 0)
+        with pytest.raises((AccessRefused, LeaseHeld)):
+            ana.write(TARGET, 60)
+        assert one.board.registers[TARGET] == 0
+        assert person.ask("arm") == ""
+        ana.write(TARGET, 61)
+        assert one.board.registers[TARGET] == 61
+
+
+def until(check: object) -> None:
+    for _ in range(2000):
+        if check():  # type: ignore[operator]
+            return
+        time.sleep(0.005)
+    raise AssertionError("it does not happen")
+
+
+def test_the_commands_serve_the_page(tmp_path: Path) -> None:
+    spec = tmp_path / "arm.ul"
+    spec.write_text(TEXT)
+    places = ["--listen", "127.0.0.1:0"]
+    serving = ["serve", f"sim:{spec}", str(spec), *places, "--page", "0"]
+    for arguments in serving, ["dashboard", f"sim:{spec}", *places]:
+        command = [sys.executable, "-m", "unitylink", *arguments, "--json"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+            assert running.stdout is not None and running.stderr is not None
+            told = json.loads(running.stdout.readline())
+            page = Page(None, None, None, [])  # type: ignore[arg-type]
+            page.host = (told.get("page") or told["url"]).partition("//")[2]
+            assert page.request("POST", "/login", {"token": told["token"]})[0] == 204
+            assert page.request("GET", "/")[0] == 200
+            running.send_signal(signal.SIGTERM)
+            assert running.wait(20) == 0, running.stderr.read()
+            assert "Traceback" not in running.stderr.read()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--listen", "0.0.0.0:0"], "add --anyone"),
+        (["--listen", "far"], "expected [HOST:]PORT"),
+        (["--token-file", "/absent"], "/absent: No such file"),
+        (["--audit", "/absent/log"], "choose another file"),
+        (["--listen", "127.0.0.1:0", "--tls", "/absent", "/absent"], "/absent: No such file"),
+    ],
+)
+def test_the_command_says_what_is_wrong(
+    tmp_path: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec = tmp_path / "arm.ul"
+    spec.write_text(TEXT)
+    assert main(["dashboard", f"sim:{spec}", *arguments]) != 0
+    assert said in capsys.readouterr().err
