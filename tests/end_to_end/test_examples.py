@@ -28,6 +28,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("dashboard", ["--seconds", "2"], "j1.cpos and 7 more: "),
         ("servo", [], "the limit switch has closed, 1 in all"),
         ("diff_drive", [], "back, "),
+        ("scara_stepper", [], "the arm is home again"),
         ("xyz_stage", [], "corner 60, 60: the counters are at 60.0000, 60.0000 mm"),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],

@@ -50,6 +50,15 @@ def start_stage(board: Node) -> None:
     item["motor.control[0]"].write(fields)
 
 
+def start_arm(board: Node) -> None:
+    item: Any = board
+    item["arm.speed[0]"].write(100.0)
+    item["arm.acceleration[0]"].write(4000.0)
+    item["arm.velocity_target[0]"].write(40.0)
+    fields = {"enable": True, "velocity_mode": True, "stop_at_limit": False, "latch": "none"}
+    item["arm.control[0]"].write(fields)
+
+
 def start_cart(board: Node) -> None:
     item: Any = board
     item["left_motor.duty"].write(0.3)
@@ -73,6 +82,12 @@ ROBOTS = {
         },
         start_cart,
         pulses,
+    ),
+    "scara_stepper": Robot(
+        18_000_000,
+        {"joint_states": "sensor_msgs/JointState", "joint_commands": "sensor_msgs/JointState"},
+        start_arm,
+        lambda board: board.components["arm"].steps("step", "direction", 0),
     ),
     "xyz_stage": Robot(
         18_000_000,
@@ -109,8 +124,14 @@ def rests(board: Board, name: str) -> None:
     assert board.error is None
 
 
-@pytest.mark.parametrize("kind", [Board, RtlBoard])
-@pytest.mark.parametrize("name", ROBOTS)
+KINDS = [(name, kind) for name in ROBOTS for kind in (Board, RtlBoard)]
+# the stage has the same component
+LONG = ("scara_stepper", RtlBoard)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [pytest.param(*one, marks=pytest.mark.long) if one == LONG else one for one in KINDS]
+)
 def test_a_robot_rests_when_its_line_is_cut(name: str, kind: type[Board]) -> None:
     robot = ROBOTS[name]
     with board_of(name, kind) as board:

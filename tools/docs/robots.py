@@ -42,6 +42,13 @@ PICTURES = {
             Panel("by its wheels", "x in m", "y in m", (("it believes", 3, 4), ("true", 5, 6)), square=True),
         ),
     ),
+    "scara_stepper": (
+        "A SCARA with stepper motors draws a flower",
+        (
+            Panel("from above", "x in mm", "y in mm", (("path", 1, 2), ("arm", 5, 6)), square=True),
+            Panel("the tool", "time in s", "mm", (("path x", 0, 1), ("arm x", 0, 5))),
+        ),
+    ),
     "xyz_stage": (
         "A stage of three stepper axes draws a square",
         (
