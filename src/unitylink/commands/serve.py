@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Spec
 
 _NAMED = re.compile(r"([\w.-]+)=(.+)")
+_METRICS_S = 5.0
 _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open the links
 
 
@@ -45,6 +46,12 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.option(
     "--page", metavar="[HOST:]PORT", help="Also serve the board's page for browsers (unitylink dashboard)."
 )
+@click.option(
+    "--metrics", "metrics_file", metavar="FILE", help="Write the counters there every 5 s, for Prometheus."
+)
+@click.option(
+    "--check-config", is_flag=True, help="Check the arguments and the files, print the URLs, and end."
+)
 @root_option("Serve one board")
 @json_option("the address")
 def command(
@@ -56,6 +63,8 @@ def command(
     token_file: str | None,
     audit_file: str | None,
     page: str | None,
+    metrics_file: str | None,
+    check_config: bool,
     root: str | None,
     as_json: bool,
 ) -> None:
@@ -77,10 +86,12 @@ def command(
       unitylink serve serial:/dev/ttyUSB0 arm.ul
       unitylink serve sim:arm.ul arm.ul --page 8080
       unitylink serve left=tcp://10.0.0.7:5555 right=tcp://10.0.0.8:5555 arm.ul --token-file tokens.toml
+      unitylink serve serial:/dev/ttyUSB0 arm.ul --token-file tokens.toml --check-config
       UNITYLINK_TOKEN=... unitylink watch serve://127.0.0.1:7450/arm --spec arm.ul
     """
     from unitylink.dashboard.place import read_place
     from unitylink.server.audit import Audit
+    from unitylink.server.metrics import write_metrics
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
@@ -105,13 +116,15 @@ def command(
     if page is not None:
         tokens = tokens.with_user(page_token, User("page", Rights.of(["read"])))
     named = _named(links, spec)
-    out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
-    audit = Audit(lambda line: print(line, file=out, flush=True))
     place = read_place(page) if page is not None else None
     if place is not None and place.exposed and not anyone:
         raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
     if place is not None and len(named) > 1:
         raise click.UsageError("--page is for one board; start a server for each")
+    if check_config:
+        return _report_check(named, host, port, len(tokens) - (page is not None))
+    out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
+    audit = Audit(lambda line: print(line, file=out, flush=True))
     with stopped_by_signals() as stop, ExitStack() as pages:
         robots = [Robot(name, link, spec, tokens, audit) for name, link in named.items()]
         with Server(robots, tokens, audit, host, port) as server:
@@ -119,10 +132,23 @@ def command(
                 robot.opened.wait(_FIRST_S)
             url = _serve_page(pages, server, page_token, spec, place) if place is not None else None
             _announce(server, spec, spec_file, fresh, as_json, page=url)
-            stop.wait()
+            while not stop.wait(_METRICS_S if metrics_file else None):
+                assert metrics_file is not None
+                write_metrics(metrics_file, server.report())
             pages.close()  # before the link
     if audit_file:
         out.close()
+    return None
+
+
+def _report_check(named: dict[str, str], host: str, port: int, tokens: int) -> None:
+    """Check the links, and print what would be served. No link is opened."""
+    from unitylink.connection.schemes import scheme_of
+
+    for name, link in named.items():
+        scheme_of(link)
+        click.echo(f"{link} at serve://{host}:{port}/{name}")
+    click.echo(f"{tokens} tokens" if tokens != 1 else "1 token")
 
 
 def _named(links: tuple[str, ...], spec: Spec) -> dict[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import socket
 import time
 from collections.abc import Iterator
@@ -24,6 +25,7 @@ from unitylink.errors import (
     LinkNotFound,
     UrlError,
 )
+from unitylink.server.metrics import write_metrics
 
 
 @pytest.fixture(scope="module")
@@ -241,6 +243,17 @@ def test_what_is_no_login_is_turned_away(one: Served) -> None:
             assert not told.startswith(b"admitted")
     with pytest.raises(LinkClosed):
         Link(f"tcp://{one.server.place}?timeout=0.3&protocol=framed")
+
+
+def test_the_metrics_name_each_client(one: Served, tmp_path: Path) -> None:
+    with one.link("looks") as link:
+        link.read(0x50)
+        write_metrics(str(tmp_path / "serve.prom"), one.server.report())
+    text = (tmp_path / "serve.prom").read_text()
+    assert 'unitylink_board_up{board="arm"} 1' in text
+    assert re.search(r'unitylink_client_requests_total\{board="arm",user="looks",client="\d+"\} [1-9]', text)
+    names = [line.split()[2] for line in text.splitlines() if line.startswith("# TYPE")]
+    assert len(names) == len(set(names)) and list(tmp_path.iterdir()) == [tmp_path / "serve.prom"]
 
 
 def test_the_audit_log_names_who_came(one: Served) -> None:
