@@ -174,7 +174,8 @@ void BoardServer::turn(bool up) {
   look_at_dead_men();
   make_safe();
   for (const auto& client : clients_) {
-    if (!client->gone) {
+    const bool idle = client->watched == EPOLLIN && client->session.output().empty() && client->session.wants_bytes();
+    if (!idle && !client->gone) {
       send(*client);
     }
   }

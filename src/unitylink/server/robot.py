@@ -55,6 +55,11 @@ class Robot:
         with self._lock:
             return self._why_away()
 
+    @property
+    def connected(self) -> int:
+        """How many clients are connected."""
+        return len(self._clients)
+
     def admit(self, knock: Knock) -> None:
         """Hand a client over to the board, if its token is known. Raises AccessRefused or UnityLinkError."""
         with self._lock:

@@ -84,7 +84,7 @@ class Server:
         if robot is None:
             text = f"there is no board {knock.board!r}" if knock.board else "the URL names no board"
             return self._refuse(knock, "board", f"{text}; there are: {', '.join(self.robots)}", user)
-        if sum(len(one.report().get("clients", ())) for one in self.robots.values()) >= CLIENTS_MAX:
+        if sum(one.connected for one in self.robots.values()) >= CLIENTS_MAX:
             return self._refuse(knock, "full", f"{CLIENTS_MAX} clients are connected, which is all", user)
         try:
             robot.admit(knock)
