@@ -4,6 +4,7 @@
     python tools/sbom.py > build/sbom.cdx.json
 
 Packages from PyPI are read from tools/locks, with the versions and hashes that are installed. Packages from
+npm are read from web/package-lock.json. They make the dashboard's page, or are a part of it. Packages from
 Debian are read from tools/setup.sh, without a version, because the machine decides that. `scope` says who
 needs a package. "required": the library when it runs. "optional": a command that needs an extra or a driver.
 "excluded": only somebody who builds or tests. The same checkout gives the same file. Its time is that of the
@@ -18,6 +19,7 @@ import re
 import subprocess
 import sys
 import uuid
+from base64 import b64decode
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import datetime, timezone
@@ -81,7 +83,7 @@ def bill() -> dict[str, Any]:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     own = needed_by(project["dependencies"])
     root = f"pkg:pypi/{project['name']}@{project['version']}"
-    components = [*_from_pypi(own), *_from_debian()]
+    components = [*_from_pypi(own), *_from_npm(), *_from_debian()]
     body = {
         "components": components,
         "dependencies": [
@@ -140,6 +142,27 @@ def _from_pypi(own: set[str]) -> Iterator[dict[str, Any]]:
                 }
             ],
             "properties": [{"name": "unitylink:lock", "value": name} for name in one["locks"]],
+        }
+
+
+def _from_npm() -> Iterator[dict[str, Any]]:
+    """Yield what the dashboard's page consists of, and what it is made with."""
+    lock = json.loads((ROOT / "web" / "package-lock.json").read_text(encoding="utf-8"))
+    for path, one in sorted(lock["packages"].items()):
+        name = path.removeprefix("node_modules/")
+        if not name or "integrity" not in one:
+            continue
+        kind, _, digest = one["integrity"].partition("-")
+        purl = f"pkg:npm/{name.replace('@', '%40')}@{one['version']}"
+        yield {
+            "type": "library",
+            "bom-ref": purl,
+            "name": name,
+            "version": one["version"],
+            "purl": purl,
+            "scope": "excluded" if one.get("dev") else "optional",
+            "hashes": [{"alg": kind.upper().replace("SHA", "SHA-"), "content": b64decode(digest).hex()}],
+            "properties": [{"name": "unitylink:lock", "value": "web/package-lock.json"}],
         }
 
 

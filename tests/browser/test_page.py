@@ -112,6 +112,7 @@ def test_stop_by_button_and_by_key(open_page: Open, arm: Robot, shoot: Shoot) ->
     expect(box(page, "j1.pos_sp")).to_be_disabled()
     shoot(page, "dashboard-stopped")
     page.get_by_role("button", name="go on").click()
+    expect(page.locator(".stop p")).not_to_contain_text("stopped by")
     take_control(page)
     box(page, "j1.spd_sp").fill("20")
     box(page, "j1.spd_sp").press("Enter")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from unitylink.server.gate import Client
     from unitylink.spec.model import Instance
 
-ROUND_S = 0.04  # 25 rounds a second
+ROUND_S = 1 / 30
 STATE_S = 0.5
 KEPT = 200  # events that a new viewer is told
 BOARD_THREADS = 4

@@ -75,6 +75,18 @@ def test_it_has_everything_that_setup_installs_or_a_program_loads(bill: dict[str
     assert loaded and all(f"pkg:deb/debian/{name}" in found for name in loaded)
 
 
+def test_it_has_what_the_page_of_the_dashboard_consists_of(bill: dict[str, Any]) -> None:
+    found = {one["name"]: one for one in bill["components"] if one["purl"].startswith("pkg:npm/")}
+    asked = json.loads((ROOT / "web" / "package.json").read_text(encoding="utf-8"))
+    for name, version in {**asked["dependencies"], **asked["devDependencies"]}.items():
+        assert found[name]["version"] == version and found[name]["hashes"][0]["alg"] == "SHA-512"
+        assert found[name]["scope"] == ("optional" if name in asked["dependencies"] else "excluded")
+        assert len(found[name]["hashes"][0]["content"]) == 128
+    licences = (ROOT / "src" / "unitylink" / "dashboard" / "page" / "licences.txt").read_text("utf-8")
+    shipped = [one for one in found.values() if one["scope"] == "optional"]
+    assert shipped and all(f"{one['name']} {one['version']}" in licences for one in shipped)
+
+
 def test_it_has_what_such_a_bill_must_have(bill: dict[str, Any]) -> None:
     assert (bill["bomFormat"], bill["specVersion"], bill["version"]) == ("CycloneDX", "1.6", 1)
     assert re.fullmatch(r"urn:uuid:[0-9a-f]{8}-([0-9a-f]{4}-){3}[0-9a-f]{12}", bill["serialNumber"])
