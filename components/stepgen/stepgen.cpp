@@ -29,7 +29,8 @@ class Stepgen final : public Component {
         rates_(from),
         motion_(from, rates_),
         ramp_(rates_),
-        filter_(3 * rates_.axes + 1, static_cast<std::uint32_t>(from.generic("stable_clocks", 1))) {
+        filter_(3 * rates_.axes + 1, static_cast<std::uint32_t>(from.generic("stable_clocks", 1))),
+        pins_(motion_.pins()) {
     wait_until(rates_.clearing_clocks);
     for (std::uint32_t axis = 0; axis < rates_.axes && !outputs().empty(); ++axis) {
       output(rates_.axes + axis, true, never);  // state 0 has DIR
@@ -114,9 +115,11 @@ class Stepgen final : public Component {
       levels_ = filter_.levels();
       is_watching_ = true;
     }
-    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
-      output(axis, motion_.pulse(axis).step(), edge);
-      output(rates_.axes + axis, motion_.pulse(axis).direction(), edge);
+    if (const std::uint32_t pins = motion_.pins(); pins != pins_) {
+      for (std::uint32_t pin = 0; pin < 2 * rates_.axes; ++pin) {
+        output(pin, (pins >> pin & 1u) != 0, edge);
+      }
+      pins_ = pins;
     }
   }
 
@@ -126,6 +129,10 @@ class Stepgen final : public Component {
 
   // The latches and the halts.
   void watch(const StepgenMotion::Told& told) noexcept {
+    const bool is_told = told.stepped || told.late || told.caught != 0;
+    if (!is_watching_ && !is_told && catches_ == 0 && stopped_ == level(3, 0)) {
+      return;  // most clocks
+    }
     is_watching_ = false;
     for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
       const std::uint32_t bit = 1u << axis;
@@ -237,6 +244,7 @@ class Stepgen final : public Component {
   StepgenRamp ramp_;
   InputFilter filter_;
   StepgenRamp::Words words_{};
+  std::uint32_t pins_;        // STEP of each axis, then DIR of each
   Clock now_ = 0;             // every edge before this one has happened
   std::uint32_t levels_ = 0;  // behind the filter
   bool stopped_ = false;      // the level of `stop` that the last edge saw

@@ -50,9 +50,10 @@ class StepgenMotion {
     loss_ = rates.clock_hz >> common;
     owed_ = gain_ - loss_;
     positions_at_ = phases_at + std::max(rates.axes, 3u);
+    pins_ = ((1u << rates.axes) - 1u) << rates.axes;  // all go up at first
   }
 
-  [[nodiscard]] const StepgenPulse& pulse(std::uint32_t axis) const noexcept { return pulses_[axis]; }
+  [[nodiscard]] std::uint32_t pins() const noexcept { return pins_; }  // STEP of each axis, then DIR of each
   [[nodiscard]] std::uint32_t word(std::uint32_t axis, Part part) const noexcept {
     return memory_[part][part == now ? 0 : axis];
   }
@@ -66,7 +67,7 @@ class StepgenMotion {
   // The clocks while the words are cleared.
   void clock_pulses() noexcept {
     for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
-      pulses_[axis].clock(false, false);
+      clock_pulse(axis, false, false);
     }
   }
 
@@ -113,7 +114,7 @@ class StepgenMotion {
     to_then_ = work.to;
 
     for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
-      pulses_[axis].clock(ask && axis == told.axis, down);
+      clock_pulse(axis, ask && axis == told.axis, down);
     }
     if (taken) {
       moved_ |= 1u << told.axis;
@@ -187,6 +188,17 @@ class StepgenMotion {
     std::uint32_t term = 0;
   };
 
+  void clock_pulse(std::uint32_t axis, bool asked, bool down) noexcept {
+    StepgenPulse& pulse = pulses_[axis];
+    if (!asked && pulse.is_resting()) {
+      return;  // most clocks
+    }
+    pulse.clock(asked, down);
+    const std::uint32_t step = 1u << axis;
+    const std::uint32_t direction = step << rates_.axes;
+    pins_ = (pins_ & ~(step | direction)) | (pulse.step() ? step : 0) | (pulse.direction() ? direction : 0);
+  }
+
   [[nodiscard]] std::uint32_t phase_mask() const noexcept { return (1u << rates_.phase_bits()) - 1u; }
   [[nodiscard]] bool asks() const noexcept {
     return last_ == Kind::phase && (sum_ >> 31 != 0 || (sum_ >> rates_.phase_bits() & 1u) != 0);
@@ -233,6 +245,7 @@ class StepgenMotion {
   std::array<std::array<std::uint32_t, most_axes>, 2> velocities_{};
   std::uint32_t shift_ = 0;
   std::array<StepgenPulse, most_axes> pulses_;
+  std::uint32_t pins_ = 0;
   std::uint32_t slot_ = 0, served_ = 0, moved_ = 0;
   bool first_ = true, was_long_ = false;
   Kind then_ = Kind::idle, last_ = Kind::idle;

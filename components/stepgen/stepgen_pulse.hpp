@@ -65,6 +65,8 @@ class StepgenPulse {
   [[nodiscard]] bool is_late(bool down) const noexcept {
     return !ready() && state_ == State::resting && down != direction_;
   }
+  // Nothing changes by itself.
+  [[nodiscard]] bool is_resting() const noexcept { return timer_ == 0 && is_quiet(); }
   // Nothing changes by itself but the timer.
   [[nodiscard]] bool is_quiet() const noexcept { return !step_ && state_ != State::holding; }
   void skip(Clock clocks) noexcept { timer_ -= static_cast<std::uint32_t>(std::min<Clock>(clocks, timer_)); }

@@ -56,6 +56,10 @@ class StepgenRamp {
   // `look_data` is of before this clock. A bit of `enabled` and `shifting` is an axis.
   void clock(Words& words, const StepgenMotion::Told& told, std::uint32_t look_data, std::uint32_t enabled,
              std::uint32_t shifting) noexcept {
+    if (state_ == State::waiting && !executes_) {
+      count(told.base);
+      return;  // most clocks
+    }
     const State state = state_;
     const bool executes = executes_;
     const std::uint32_t sum = sum_;
@@ -289,15 +293,18 @@ class StepgenRamp {
       state_ = number + 1 == axes_ ? State::waiting : State::load_control;
       number_ += number + 1 == axes_ ? 0 : 1;
     }
-    if (told.base) {
-      if (count_ == count_mask_) {
-        bank_ = !bank_;
-        number_ = 0;
-        executes_ = false;
-        state_ = State::load_control;
-      }
-      count_ = (count_ + 1) & count_mask_;
+    count(told.base);
+  }
+
+  // At each tick the ramp begins anew.
+  void count(bool base) noexcept {
+    if (base && count_ == count_mask_) {
+      bank_ = !bank_;
+      number_ = 0;
+      executes_ = false;
+      state_ = State::load_control;
     }
+    count_ = (count_ + (base ? 1 : 0)) & count_mask_;
   }
 
   std::uint32_t axes_, phase_bits_, count_mask_;
