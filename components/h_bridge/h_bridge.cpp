@@ -42,9 +42,12 @@ class HBridge final : public Component {
 
   [[nodiscard]] bool on(std::uint64_t low) const noexcept { return low >= from_; }
 
+  // The duty is that of the wire, as long as it is valid.
+  [[nodiscard]] std::uint32_t duty_now() const noexcept { return wire_.valid ? wire_.value : write_word(duty); }
+
   void load() noexcept {
     const std::uint32_t sign = 1u << (duty_bits_ - 1);
-    const std::uint32_t bits = write_word(duty) & (sign * 2u - 1u);
+    const std::uint32_t bits = duty_now() & (sign * 2u - 1u);
     back_ = (bits & sign) != 0;
     const std::uint32_t size = back_ ? sign * 2u - bits : bits;
     from_ = std::uint64_t{(sign - size) / 2} << (period_.bits() + 2 - duty_bits_);
@@ -102,9 +105,19 @@ class HBridge final : public Component {
     if (address == control) {
       word(address, value & 3u, edge);
     } else if (address == duty) {
-      const std::uint32_t sign = 1u << (duty_bits_ - 1);
-      word(address, (((value & (sign * 2u - 1u)) ^ sign) - sign) & data_mask_, edge);
+      show_duty(edge);
     }
+  }
+
+  void show_duty(Clock edge) noexcept {
+    const std::uint32_t sign = 1u << (duty_bits_ - 1);
+    word(duty, (((duty_now() & (sign * 2u - 1u)) ^ sign) - sign) & data_mask_, edge);
+  }
+
+  void wired(std::uint32_t /*duty*/, const WireValue& value, Clock edge) override {
+    wire_ = value;
+    show_duty(edge);
+    next_ = std::min(next_, edge);
   }
 
   void driven(std::uint32_t /*fault*/, bool level, Clock /*edge*/) override { gates_.drive(level); }
@@ -117,6 +130,7 @@ class HBridge final : public Component {
   std::uint64_t from_ = 0;  // the phase from which the motor is driven
   bool back_ = false;
   Drive drive_;
+  WireValue wire_;  // the duty from another component
   Clock next_ = 0;
 };
 

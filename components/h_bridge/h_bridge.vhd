@@ -13,6 +13,7 @@
 -- Pins      form 0, four gates: 0 high A, 1 low A, 2 high B, 3 low B. Forward is high A and low B.
 --           form 1, IN/IN: 0 IN1, 1 IN2. 10 is forward, 01 back, 11 brakes, 00 coasts.
 --           form 2, PH/EN: 0 PH, 1 EN. PH 1 is forward. EN 0 does what the driver does then, so coast means nothing.
+-- Wire      While duty_wire is valid, the duty is that of the wire, and a read of +3 gives it.
 -- A new duty takes effect at the start of a period. Dead time and fault: see bridge_gates, also for forms 1 and 2.
 --
 -- Events    tripped: a fault cuts.
@@ -25,6 +26,7 @@ library ieee;
   use ieee.numeric_std.all;
   use work.rate_pkg.all;
   use work.register_pkg.all;
+  use work.wire_pkg.all;
   use work.wishbone_pkg.all;
 
 entity h_bridge is
@@ -44,6 +46,8 @@ entity h_bridge is
     wishbone_s2m : out wishbone_s2m_t;
     tripped      : out std_ulogic;
 
+    duty_wire    : in  wire_t := no_wire; -- the duty, from another component
+
     fault        : in  std_ulogic; -- asynchronous
     pins         : out std_ulogic_vector(3 downto 0)
   );
@@ -58,6 +62,8 @@ architecture rtl of h_bridge is
 
   signal read_words  : word_vector_t(0 to 3);
   signal write_words : word_vector_t(0 to 3);
+
+  signal duty : std_ulogic_vector(duty_bits - 1 downto 0); -- of the register, or of the wire
 
   signal running, latched, fault_seen : std_ulogic;
   signal dead_used   : std_ulogic_vector(11 downto 0);
@@ -86,7 +92,9 @@ begin
     0 => extended(write_words(0)(1 downto 0)),
     1 => (0 => running, 1 => latched, 2 => fault_seen, others => '0'),
     2 => extended(dead_used),
-    3 => std_ulogic_vector(resize(signed(write_words(3)(duty_bits - 1 downto 0)), word_t'length)));
+    3 => std_ulogic_vector(resize(signed(duty), word_t'length)));
+
+  duty <= duty_wire(duty'range) when is_valid(duty_wire) = '1' else write_words(3)(duty'range);
 
   gates : entity work.bridge_gates
     generic map (
@@ -107,8 +115,8 @@ begin
       end if;
 
       if running = '0' or phase(bits) = '1' then
-        back <= write_words(3)(duty_bits - 1);
-        size <= unsigned(write_words(3)(size_t'range)) xor (size_t'range => write_words(3)(duty_bits - 1));
+        back <= duty(duty_bits - 1);
+        size <= unsigned(duty(size_t'range)) xor (size_t'range => duty(duty_bits - 1));
       end if;
 
       -- The last bit of the counter is 1, so that the size 0 is never on, and the largest always is.

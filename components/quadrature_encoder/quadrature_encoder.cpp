@@ -24,6 +24,10 @@ class QuadratureEncoder final : public Component {
         data_mask_(from.data_mask()),
         speed_(from) {
     wait_until(round_clocks + 1);
+    initial_wire(position_wire, wire_of(0));
+    if (has_velocity()) {
+      initial_wire(velocity_wire, wire_of(0));
+    }
   }
 
  private:
@@ -38,6 +42,7 @@ class QuadratureEncoder final : public Component {
     words
   };
   enum Event : std::uint32_t { indexed, failed, stopped };
+  enum Wire : std::uint32_t { position_wire, velocity_wire };
   enum Pin : std::uint32_t { a = 1, b = 2, index = 4 };  // bits of the levels
   // The edges of a round that matter: two for each word, and the last one.
   static constexpr Clock takes_steps = 2 * position;
@@ -61,6 +66,12 @@ class QuadratureEncoder final : public Component {
     return std::min({filter_.next(), compare_, turn_, speed_next()});
   }
 
+  // A value in 32 bits, from those of a word.
+  [[nodiscard]] WireValue wire_of(std::uint32_t value) const noexcept {
+    const std::uint32_t sign = (data_mask_ >> 1) + 1;
+    return {((value & data_mask_) ^ sign) - sign, true};
+  }
+
   // A write waits for the turn of its word, and for the end of that round.
   Clock offered(std::uint32_t address, std::uint32_t value, Clock edge) override {
     const Clock taken = at_place(2 * address, edge);
@@ -74,11 +85,15 @@ class QuadratureEncoder final : public Component {
     const bool had_index = has_index_;
     const bool given = given_.taken == edge;
     speed_.tick(edge);
+    if (has_velocity()) {
+      wire(velocity_wire, wire_of(static_cast<std::uint32_t>(speed_.value())), edge + 1);
+    }
     if (place == takes_velocity) {
       live_[velocity] = static_cast<std::uint32_t>(speed_.value());
     }
     if (place == takes_steps) {
       take(given);
+      wire(position_wire, wire_of(live_[position]), edge + 1);  // it follows the turn by a clock
     } else if (place == takes_failed) {
       live_[impossible] = (given ? given_.value : live_[impossible]) + (has_failed_ ? 1u : 0u);
       has_failed_ = false;

@@ -21,6 +21,7 @@
 --           is never faster than the largest word: 8.3 million counts a second, with 32 bits.
 -- Events    indexed: a rising edge of index. failed: an impossible step. stopped: no edge has come for stall_us, and
 --           the velocity is 0 (with_velocity 1).
+-- Wires     position_wire and velocity_wire have both values for other components. They follow the words by 2 clocks.
 -- Filter    A level counts when it has been stable for filter_ns, rounded up to whole clocks and at least one. Below,
 --           these clocks are called the filter.
 -- Speed     At most one step per filter. A faster step is counted in +3, and the position is then wrong by at
@@ -37,6 +38,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.rate_pkg.all;
+  use work.wire_pkg.all;
   use work.wishbone_pkg.all;
 
 entity quadrature_encoder is
@@ -59,6 +61,9 @@ entity quadrature_encoder is
     failed       : out std_ulogic;
     stopped      : out std_ulogic;
 
+    position_wire : out wire_t; -- for other components
+    velocity_wire : out wire_t;
+
     a     : in std_ulogic; -- asynchronous, like the next two
     b     : in std_ulogic;
     index : in std_ulogic := '0'
@@ -71,6 +76,7 @@ architecture rtl of quadrature_encoder is
   signal speed  : unsigned(data_width - 2 downto 0);
   signal back   : std_ulogic;
   signal hold   : std_ulogic;
+  signal newest : unsigned(data_width - 1 downto 0);
 
 begin
 
@@ -87,7 +93,9 @@ begin
     port map (
       clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
       indexed => indexed, failed => failed, speed => speed, back => back, hold => hold,
-      a => levels(0 downto 0), b => levels(1 downto 1), index => levels(2 downto 2));
+      newest => newest, a => levels(0 downto 0), b => levels(1 downto 1), index => levels(2 downto 2));
+
+  position_wire <= wire_of(signed(newest));
 
   times : if with_velocity = 1 generate
     velocity : entity work.quadrature_encoder_velocity
@@ -95,10 +103,26 @@ begin
       port map (
         clock => clock, reset => reset, a => levels(0), b => levels(1), hold => hold, speed => speed, back => back,
         stopped => stopped);
+
+    tell : process (clock) is
+      variable value : signed(data_width - 1 downto 0);
+    begin
+      if rising_edge(clock) then
+        value := signed('0' & speed);
+        if back = '1' then
+          value := -value;
+        end if;
+        velocity_wire <= wire_of(value);
+        if reset = '1' then
+          velocity_wire <= wire_of(to_signed(0, data_width));
+        end if;
+      end if;
+    end process;
   else generate
     speed   <= (others => '0');
     back    <= '0';
     stopped <= '0';
+    velocity_wire <= no_wire;
   end generate;
 
 end architecture;

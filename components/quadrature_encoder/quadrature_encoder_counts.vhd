@@ -57,6 +57,8 @@ entity quadrature_encoder_counts is
     back  : in  std_ulogic := '0';
     hold  : out std_ulogic;
 
+    newest : out unsigned(data_width - 1 downto 0); -- the position of channel 0, a clock after its turn
+
     indexed : out std_ulogic; -- an index has come, for one clock
     failed  : out std_ulogic  -- an impossible step has come, for one clock
   );
@@ -261,6 +263,9 @@ begin
           end if;
         end loop;
       end if;
+      if second = '1' and now = position then
+        newest <= sum;
+      end if;
       if second = '1' then
         memory(address(bank, now)) <= sum;
       end if;
@@ -283,6 +288,7 @@ begin
         whole    <= "01";
         bank     <= "10";
         shown    <= "01";
+        newest   <= (others => '0');
       end if;
     end if;
   end process;

@@ -38,6 +38,13 @@ ComponentConfiguration component_configuration_of(nb::handle from, std::uint32_t
   for (nb::handle group : nb::object(from.attr("event_groups"))) {
     result.event_groups.push_back(nb::cast<std::optional<std::uint32_t>>(group));
   }
+  for (nb::handle wire : nb::object(from.attr("wires"))) {
+    result.wires.push_back({nb::cast<std::string>(wire[0]), nb::cast<std::string>(wire[1]) == "in"});
+  }
+  for (nb::handle lead : nb::object(from.attr("connections"))) {
+    result.connections.push_back(
+        {nb::cast<std::uint32_t>(lead[0]), nb::cast<std::uint32_t>(lead[1]), nb::cast<std::uint32_t>(lead[2])});
+  }
   return result;
 }
 
@@ -48,7 +55,7 @@ using Seen = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
 
 // Plays stimuli in the order of time: (clock, what, number, value). `p` drives an input pin, `r` reads, `w` writes, `c`
 // opens (1) and closes (0) a block. Returns (state, what, number, value): `o` an output pin, `a` the answer of a read
-// or write (number 1: err), `e` an event that became high.
+// or write (number 1: err), `e` an event that became high. The bits of wires are pins, too, behind the others.
 std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end) {
   std::vector<Seen> seen;
   for (std::uint32_t pin = 0; pin < model.outputs().size(); ++pin) {
@@ -57,6 +64,21 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
     }
     model.outputs()[pin].watch([&seen, pin](bool level, Clock state) { seen.emplace_back(state, 'o', pin, level); });
   }
+  const auto pins = static_cast<std::uint32_t>(model.outputs().size());
+  for (std::uint32_t wire = 0; wire < model.wires_out(); ++wire) {
+    std::uint64_t shown = 0;
+    const auto tell = [&seen, shown, first = pins + wire * wire_bits](const WireValue& value, Clock state) mutable {
+      const std::uint64_t now = value.word();
+      for (std::uint32_t bit = 0; bit < wire_bits; ++bit) {
+        if (((now ^ shown) >> bit & 1u) != 0) {
+          seen.emplace_back(state, 'o', first + bit, static_cast<std::uint32_t>(now >> bit & 1u));
+        }
+      }
+      shown = now;
+    };
+    model.watch_wire(wire, tell);
+  }
+  std::vector<std::uint64_t> wires_in(model.wires_in());
   model.send_events_to([&seen](std::uint32_t group, bool high, Clock state) {
     if (high) {
       seen.emplace_back(state, 'e', group, 1);
@@ -64,7 +86,16 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
   });
   for (const auto& [at, what, number, value] : stimuli) {
     switch (what) {
-      case 'p': model.drive(number, value != 0, at); break;
+      case 'p':
+        if (number < model.inputs()) {
+          model.drive(number, value != 0, at);
+        } else {
+          const std::uint32_t wire = (number - model.inputs()) / wire_bits;
+          const std::uint64_t bit = std::uint64_t{1} << ((number - model.inputs()) % wire_bits);
+          wires_in.at(wire) = value != 0 ? wires_in.at(wire) | bit : wires_in.at(wire) & ~bit;
+          model.lead(wire, WireValue::of(wires_in.at(wire)), at);
+        }
+        break;
       case 'c': model.block(value != 0, at); break;
       case 'w': {
         const bool ok = model.write(number, value, at) == BusStatus::ok;
@@ -80,6 +111,9 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
   model.advance(end);
   for (OutputPin& pin : model.outputs()) {
     pin.watch({});
+  }
+  for (std::uint32_t wire = 0; wire < model.wires_out(); ++wire) {
+    model.watch_wire(wire, {});
   }
   model.send_events_to({});
   return seen;

@@ -30,6 +30,8 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("diff_drive", [], "back, "),
         ("scara_stepper", [], "the arm is home again"),
         ("xyz_stage", [], "corner 60, 60: the counters are at 60.0000, 60.0000 mm"),
+        ("position_loop", [], "the loop is off: duty 0.0"),
+        ("position_loop", ["--rtl"], "the loop is off: duty 0.0"),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
 )

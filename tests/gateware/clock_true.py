@@ -18,7 +18,7 @@ from unitylink import _native
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources
 from unitylink.interface.components import ComponentConfiguration
-from unitylink_lab.conformance.component_ports import component_ports
+from unitylink_lab.conformance.component_ports import WIRE_BITS, component_ports
 
 Stimulus = tuple[int, str, int, int]
 Trace = list[tuple[int, str, int, int]]
@@ -266,6 +266,7 @@ def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end:
 
 def _pins(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:
     count = sum(bits or 1 for _, direction, bits in one.pins if direction == "in")
+    count += sum(WIRE_BITS for _, direction in one.wires if direction == "in")
     levels = [0] * count
     now = RESET_CLOCKS
     while count and now < end - 20:

@@ -50,6 +50,19 @@ def stepgen_start(axes: int) -> dict[int, int]:
     return {16 * axis + word: value for word, value in words.items() for axis in range(axes)}
 
 
+PID = {
+    0: (1, 1, 1, 0),
+    2: (0, 5, 1 << 20, -3 & 0xFFFFFFFF),
+    3: (0, 700, -80 & 0xFFFFFFFF),
+    4: (0, 9000, -70000 & 0xFFFFFFFF),
+    5: (0, 1 << 8, 1 << 14, 0xFFFFFF),
+    6: (0, 1 << 6, 1 << 14, 0xFFFFFF),
+    7: (0, 1 << 6, 0xFFFFFF),
+    8: (0, 1 << 4, 0xFFFFFF),
+    9: (0, 1 << 4, 0xFFFFFF),
+    10: (3, 100, 4095, 1 << 20),
+    11: (0, 0, 0, 0xFFFFFF),
+}
 CASES = {
     "stepgen": (
         Case(
@@ -172,6 +185,21 @@ CASES = {
         Case("period=900 us, sclk_hz=250000, start=100 us", {0: (1,)}, 300, 1500, device="icm42688"),
         Case("failures_most=2", {0: (0, *[1] * 30)}, 300, 9000, program=CHECKED),
     ),
+    "pid": (
+        Case("feedback=from.position, output=to.duty, loop_hz=17000", PID, pause=200, quiet=2000),
+        Case(
+            "feedback=from.position, output=to.duty, loop_hz=9000, filter_bits=0, safe=-7",
+            PID,
+            pause=30,
+            quiet=9000,
+        ),
+        Case(
+            "feedback=from.position, output=other.target, filter_bits=8, loop_hz=3000",
+            PID,
+            pause=90,
+            quiet=9000,
+        ),
+    ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),
         Case("filter_ns=0, with_index=1", pause=2000, wait=34),
@@ -182,14 +210,20 @@ CASES = {
         Case("filter_ns=0, with_velocity=1, velocity_us=127, stall_us=260", pause=5, wait=34, shaft=SHAFT),
     ),
 }
+# Components to which wires lead.
+OTHERS = (
+    "from: quadrature_encoder(); to: h_bridge(); second: h_bridge(); "
+    "other: pid(feedback=from.position, output=second.duty, loop_hz=2000);"
+)
 
 
 def configuration(name: str, case: Case) -> ComponentConfiguration:
     spec = compile_text(
-        f"link l(ADDRESS=8); public a() {{ one: {case.device or name}({case.arguments}); }}"
+        f"link l(ADDRESS=8); public a() {{ {OTHERS if 'from.' in case.arguments else ''} "
+        f"one: {case.device or name}({case.arguments}); }}"
     ).spec
     assert spec is not None
-    (one,) = components_of(spec, case.clock_hz)
+    one = components_of(spec, case.clock_hz)[-1]
     if case.program:
         generics = tuple({**dict(one.generics), "program": case.program}.items())
         one = dataclasses.replace(one, generics=generics)

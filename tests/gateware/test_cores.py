@@ -83,6 +83,10 @@ def test_quadrature_encoder_velocity(ghdl: Any) -> None:
     ghdl.run("quadrature_encoder_velocity_tb")
 
 
+def test_pid(ghdl: Any) -> None:
+    ghdl.run("pid_tb")
+
+
 def test_stepgen(ghdl: Any) -> None:
     ghdl.run("stepgen_tb")
 

@@ -24,8 +24,9 @@ Place = Callable[[float], float]  # from a time in us to a place in pixels
 def component_picture(folder: Path, played: Sequence[Played]) -> str:
     """Return the SVG of a component."""
     one = configuration(folder)
-    inputs = [(port, bits) for port, way, bits in one.pins if way == "in"]
-    outputs = [(port, bits) for port, way, bits in one.pins if way == "out"]
+    ports = [*one.pins, *((port, way, 32) for port, way in one.wires)]
+    inputs = [(port, bits) for port, way, bits in ports if way == "in"]
+    outputs = [(port, bits) for port, way, bits in ports if way == "out"]
     rows = max(len(inputs), len(outputs) + len(one.events))
     box = 64 + rows * 22
     heights = [_height(scene) for scene in played]

@@ -55,6 +55,14 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
       regions_.back().is_component = true;
     }
   }
+  for (std::size_t number = 0; number < components_.size(); ++number) {
+    for (const ConnectionConfiguration& lead : configuration.components[number].connections) {
+      Component* source = components_[lead.component];
+      if (source != nullptr && components_[number] != nullptr) {
+        source->connect(lead.output, *components_[number], lead.input);
+      }
+    }
+  }
   regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});
 }
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from unitylink.errors import ValueRangeError
 from unitylink.spec.model import Component, Instance, Spec
@@ -16,6 +16,8 @@ class ComponentConfiguration:
 
     `pins` are (port, "in" | "out" | "inout", bits; 0 for a single signal). `event_groups` has, for each of
     `events`, the publish group that it triggers, or None. `clock_least_hz` is the slowest clock that will do.
+    `wires` are (port, "in" | "out") of values for other components. `connections` lead to inputs among them:
+    (number among the inputs, number of the other component, number among its outputs).
     """
 
     path: str
@@ -27,10 +29,17 @@ class ComponentConfiguration:
     events: tuple[str, ...] = ()
     event_groups: tuple[int | None, ...] = ()
     clock_least_hz: int = 0
+    wires: tuple[tuple[str, str], ...] = ()
+    connections: tuple[tuple[int, int, int], ...] = ()
 
     @property
     def addresses(self) -> range:
         return range(self.base, self.base + self.words)
+
+    def wire_number(self, port: str) -> int:
+        """Return the place of a wire among those of its direction."""
+        way = dict(self.wires)[port]
+        return [name for name, its_way in self.wires if its_way == way].index(port)
 
 
 def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ...]:
@@ -47,7 +56,8 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
         for group in device.groups
         if group.trigger == "event"
     }
-    found = []
+    found: list[ComponentConfiguration] = []
+    leads: list[tuple[tuple[str, str], tuple[str, str]]] = []  # (path, port) of an output and of its input
     several = len(spec.roots) > 1
     for root in spec.roots:
         for instance, one in _placed(root):
@@ -55,8 +65,20 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
             triggered = tuple(groups.get((root.name, f"{instance.path}.{event}")) for event in one.events)
             path = f"{root.name}.{instance.path}" if several else instance.path
             told = (path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
-            found.append(ComponentConfiguration(*told, one.events, triggered, one.clock_least_hz))
-    return tuple(found)
+            wires = tuple((port, way) for port, way, _ in one.wires)
+            found.append(ComponentConfiguration(*told, one.events, triggered, one.clock_least_hz, wires))
+            for port, way, other, its_port in one.connections:
+                own, its = (path, port), (f"{root.name}.{other}" if several else other, its_port)
+                leads.append((its, own) if way == "in" else (own, its))
+    numbers = {one.path: number for number, one in enumerate(found)}
+
+    def leading_to(one: ComponentConfiguration) -> Iterator[tuple[int, int, int]]:
+        for (path, port), (sink, its_port) in leads:
+            if sink == one.path:
+                number = numbers[path]
+                yield one.wire_number(its_port), number, found[number].wire_number(port)
+
+    return tuple(replace(one, connections=tuple(leading_to(one))) for one in found)
 
 
 def check_clock(components: Iterable[ComponentConfiguration], clock_hz: int) -> None:

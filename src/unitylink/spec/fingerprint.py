@@ -42,7 +42,9 @@ def _lines(instance: Instance) -> Iterator[str]:
     yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
     part = instance.component
     if part is not None:
-        ports = f"{part.generics} {part.pins} {part.events}"
+        ports = f"{part.generics} {part.pins} {part.events}" + (
+            f" {part.connections}" if part.connections else ""
+        )
         yield f"component {part.entity} {part.base:x} {part.words:x} {ports}"
     for member in instance.members:
         if isinstance(member, Instance):

@@ -159,7 +159,9 @@ class Component:
 
     `generics` are the values that the spec gives. `pins` and `events` are its ports beside the bus: (port,
     "in" | "out", bits; 0 for a single signal). `sources` are the VHDL files of an entity that is not of the
-    library. `clock_least_hz` is the slowest clock of a design with it, 0 if any will do.
+    library. `clock_least_hz` is the slowest clock of a design with it, 0 if any will do. `wires` are ports
+    for one value of 32 bits: (port, "in" | "out", the element with this value). `connections` lead to other
+    components: (own port, "in" | "out", path of the other instance, its port).
     """
 
     entity: str
@@ -170,6 +172,8 @@ class Component:
     events: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
     clock_least_hz: int = 0
+    wires: tuple[tuple[str, str, str], ...] = ()
+    connections: tuple[tuple[str, str, str, str], ...] = ()
 
 
 @dataclass(frozen=True)

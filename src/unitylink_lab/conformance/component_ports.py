@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from unitylink.interface.components import ComponentConfiguration
 
+WIRE_BITS = 33  # of wire_pkg.vhd
+
 
 def component_ports(one: ComponentConfiguration) -> dict[str, str | int]:
     """Return what a bench's text needs to contain a component: entity, generics, ports and the highest bits
-    of the vectors inputs, outputs and events.
+    of the vectors inputs, outputs and events. Wires to other components are pins here, behind the others.
     """
     ports, width = "", {"in": 0, "out": 0}
-    for name, direction, bits in one.pins:
+    wires = [(name, direction, WIRE_BITS) for name, direction in one.wires]
+    for name, direction, bits in (*one.pins, *wires):
         at = width[direction]
         width[direction] += bits or 1
         signal = "inputs" if direction == "in" else "outputs"

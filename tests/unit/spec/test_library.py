@@ -112,8 +112,10 @@ GENERIC = re.compile(r"^ +(\w+) +:", re.MULTILINE)
 
 @pytest.mark.parametrize("name", component_names())
 def test_library_agrees_with_the_vhdl(name: str) -> None:
-    spec = clean(f"public a() {{ part: {name}(); }}")
-    component = spec.root().instances[0].component
+    ends = "feedback=shaft.position, output=motor.duty" if name == "pid" else ""
+    others = "motor: h_bridge(); shaft: quadrature_encoder();"
+    spec = clean(f"public a() {{ {others} part: {name}({ends}); }}")
+    component = spec.root().instances[-1].component
     assert component is not None
     source = (ROOT / "components" / name / f"{component.entity}.vhd").read_text("utf-8")
     entity = source[source.index(f"entity {component.entity} is") : source.index("end entity")]
@@ -122,7 +124,10 @@ def test_library_agrees_with_the_vhdl(name: str) -> None:
     assert {name for name, _ in component.generics} <= set(known)
     assert set(known) - {name for name, _ in component.generics} <= {"clock_hz", "data_width"}
     outside = set(GENERIC.findall(ports)) - {"clock", "reset", "wishbone_m2s", "wishbone_s2m"}
-    assert {name for name, _, _ in component.pins} | set(component.events) == outside
+    wires = {name for name, _, _ in component.wires}
+    assert {name for name, _, _ in component.pins} | set(component.events) | wires == outside
+    for wire, direction, _ in component.wires:
+        assert re.search(rf"\b{wire} +: +{direction} +wire_t\b", ports), wire
     for pin, direction, bits in component.pins:
         assert re.search(rf"\b{pin} +: +{direction} +std_ulogic{'_vector' if bits else ''}\b", ports), pin
     for generic, value in component.generics:

@@ -19,15 +19,24 @@ Component::Component(const ComponentConfiguration& configuration, std::string wr
       thawed_(writable_.size()),
       inputs_(configuration.bits(true)),
       outputs_(configuration.bits(false)),
-      events_(configuration.event_groups.size()) {
+      events_(configuration.event_groups.size()),
+      wires_in_(configuration.count_wires(true)),
+      wires_(configuration.count_wires(false)) {
   for (std::size_t number = 0; number < events_.size(); ++number) {
     events_[number].group = configuration.event_groups[number];
   }
 }
 
 void Component::advance(Clock state) {
+  for (Component* source : sources_) {
+    source->advance(state);  // then all that leads here until then is waiting
+  }
   while (state_ < state) {
     const Clock edge = next_edge();
+    if (!waiting_.empty() && waiting_.front().edge <= edge && waiting_.front().edge < state) {
+      deliver(waiting_.front().edge);
+      continue;
+    }
     if (edge >= state) {
       break;
     }
@@ -44,8 +53,67 @@ Clock Component::next_edge() const noexcept {
   return std::min(std::max(next(), state_), written);
 }
 
+// What leads here in state `edge` or before.
+void Component::deliver(Clock edge) {
+  while (!waiting_.empty() && waiting_.front().edge <= edge) {
+    const Waiting one = waiting_.front();
+    waiting_.pop_front();
+    wired(one.input, one.value, std::max(one.edge, state_));
+  }
+}
+
+void Component::connect(std::uint32_t output, Component& sink, std::uint32_t input) {
+  OutputWire& one = wires_.at(output);
+  one.leads.push_back({&sink, input});
+  sink.sources_.push_back(this);
+  sink.lead(input, one.value, 0);
+}
+
+void Component::watch_wire(std::uint32_t output, WireWatcher watcher) {
+  OutputWire& one = wires_.at(output);
+  one.watcher = std::move(watcher);
+  if (one.watcher) {
+    one.watcher(one.value, 0);
+  }
+}
+
+void Component::lead(std::uint32_t input, WireValue value, Clock state) {
+  constexpr std::size_t most = 1024;
+  const auto later = [](Clock edge, const Waiting& other) { return edge < other.edge; };
+  waiting_.insert(std::upper_bound(waiting_.begin(), waiting_.end(), state, later), {state, input, value});
+  if (waiting_.size() > most) {  // nobody has looked for long
+    advance(waiting_[most / 2].edge);
+  }
+}
+
+void Component::wire(std::uint32_t output, WireValue value, Clock edge) {
+  if (output >= wires_.size()) {
+    return;
+  }
+  OutputWire& one = wires_[output];
+  if (one.value.word() == value.word()) {
+    return;
+  }
+  one.value = value;
+  for (const Lead& lead : one.leads) {
+    lead.sink->lead(lead.input, value, edge + 1);
+  }
+  if (one.watcher) {
+    one.watcher(value, edge + 1);
+  }
+}
+
+void Component::initial_word(std::uint32_t address, std::uint32_t value) noexcept {
+  write_words_[address] = value;
+  words_[address].value = value;
+}
+
 bool Component::is_heard() const noexcept {
-  return (sink_ &&
+  const auto leads_on = [](const OutputWire& wire) {
+    return std::any_of(wire.leads.begin(), wire.leads.end(), [](const Lead& one) { return one.sink->is_heard(); });
+  };
+  return std::any_of(wires_.begin(), wires_.end(), leads_on) ||
+         (sink_ &&
           std::any_of(events_.begin(), events_.end(), [](const Event& one) { return one.group.has_value(); })) ||
          std::any_of(outputs_.begin(), outputs_.end(), [](const OutputPin& pin) { return pin.is_watched(); });
 }
@@ -65,6 +133,7 @@ Clock Component::next_clock() const noexcept {
 Clock Component::begun(Clock at) {
   const Clock start = std::max({at, free_at_, state_});
   advance(start);
+  deliver(start);
   free_at_ = start + access_clocks;
   return start;
 }
@@ -123,6 +192,7 @@ void Component::block(bool held, Clock at) {
 
 BusReply Component::get(std::uint32_t address, Clock at) {
   advance(at);
+  deliver(at);
   if (address >= words_.size()) {
     return {BusStatus::error, 0};
   }

@@ -19,6 +19,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +30,18 @@
 #include "device/component/output_pin.hpp"
 
 namespace unitylink::device {
+
+// A wire from component to component, as wire_pkg.vhd has it.
+struct WireValue {
+  std::uint32_t value = 0;
+  bool valid = false;
+
+  [[nodiscard]] std::uint64_t word() const noexcept { return value | std::uint64_t{valid ? 1u : 0u} << 32; }
+  [[nodiscard]] static WireValue of(std::uint64_t word) noexcept {
+    return {static_cast<std::uint32_t>(word), (word >> 32 & 1u) != 0};
+  }
+};
+constexpr std::uint32_t wire_bits = 33;
 
 class Component : public Bus {
  public:
@@ -42,6 +56,14 @@ class Component : public Bus {
   void drive(std::uint32_t pin, bool level, Clock at);  // an input pin, by its place among the inputs
   [[nodiscard]] std::uint32_t inputs() const noexcept { return inputs_; }  // how many
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
+  // A wire from an output of this component to an input of another one.
+  void connect(std::uint32_t output, Component& sink, std::uint32_t input);
+  // An input has this value from state `state` on. Values come in the order of their time.
+  void lead(std::uint32_t input, WireValue value, Clock state);
+  using WireWatcher = std::function<void(const WireValue& value, Clock state)>;
+  void watch_wire(std::uint32_t output, WireWatcher watcher);
+  [[nodiscard]] std::uint32_t wires_in() const noexcept { return wires_in_; }
+  [[nodiscard]] std::uint32_t wires_out() const noexcept { return static_cast<std::uint32_t>(wires_.size()); }
   void send_events_to(EventSink sink) { sink_ = std::move(sink); }
 
   // The state in which the bus may begin another access. The answer of the last one came in the state before.
@@ -75,6 +97,9 @@ class Component : public Bus {
   virtual void stored(std::uint32_t /*address*/, Clock /*edge*/) {}
   // A word that changes with time is about to be read in state `state`. So it need not be set at each of its changes.
   virtual void look(std::uint32_t /*address*/, Clock /*state*/) {}
+  // A wire to an input has another value, which edge `edge` is the first to sample. If that changes something by
+  // itself, `next` is this edge.
+  virtual void wired(std::uint32_t /*input*/, const WireValue& /*value*/, Clock /*edge*/) {}
   // An input pin has another level, which edge `edge` is the first to sample.
   virtual void driven(std::uint32_t /*pin*/, bool /*level*/, Clock /*edge*/) {}
 
@@ -90,6 +115,15 @@ class Component : public Bus {
   void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
   // Not in a constructor: all outputs are low at first, and a component without its pins may be made.
   void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }
+  // A wire from an output has this value from state edge + 1 on. A spec may have been without this output.
+  void wire(std::uint32_t output, WireValue value, Clock edge);
+  // Words and wires as a reset leaves them, where that is not 0.
+  void initial_word(std::uint32_t address, std::uint32_t value) noexcept;
+  void initial_wire(std::uint32_t output, WireValue value) noexcept {
+    if (output < wires_.size()) {
+      wires_[output].value = value;
+    }
+  }
   // The event is high for one clock, from state edge + 1 on.
   void event(std::uint32_t number, Clock edge);
 
@@ -105,7 +139,25 @@ class Component : public Bus {
     Clock falls = never;                 // while it is high: the state in which it is low again
   };
 
+  struct Lead {
+    Component* sink;
+    std::uint32_t input;
+  };
+
+  struct OutputWire {
+    WireValue value;
+    std::vector<Lead> leads;
+    WireWatcher watcher;
+  };
+
+  struct Waiting {  // a value of a wire
+    Clock edge;
+    std::uint32_t input;
+    WireValue value;
+  };
+
   [[nodiscard]] Clock next_edge() const noexcept;
+  void deliver(Clock edge);
   [[nodiscard]] Clock begun(Clock at);
   void lower(Clock state);
   void send(const Event& one, bool high, Clock state) const;
@@ -122,8 +174,12 @@ class Component : public Bus {
   std::vector<OutputPin> outputs_;
   std::vector<Event> events_;
   EventSink sink_;
-  Clock state_ = 0;    // everything before this edge has happened
-  Clock free_at_ = 0;  // when the bus may begin another access
+  std::uint32_t wires_in_;
+  std::vector<OutputWire> wires_;
+  std::vector<Component*> sources_;  // components with a wire to this one
+  std::deque<Waiting> waiting_;      // in the order of their edges
+  Clock state_ = 0;                  // everything before this edge has happened
+  Clock free_at_ = 0;                // when the bus may begin another access
   std::uint32_t written_ = 0;
   Clock written_edge_ = never;  // the edge that sees `written`
 };

@@ -21,6 +21,18 @@ struct GenericConfiguration {
   std::string text;  // of a generic that is a string
 };
 
+struct WireConfiguration {
+  std::string name;
+  bool input = false;
+};
+
+// What leads to an input of a component: an output of another one. Inputs and outputs are numbered apart.
+struct ConnectionConfiguration {
+  std::uint32_t input = 0;
+  std::uint32_t component = 0;
+  std::uint32_t output = 0;
+};
+
 struct ComponentConfiguration {
   std::string path;    // of the instance: "wheel[0]"
   std::string entity;  // "quadrature_encoder"
@@ -30,6 +42,9 @@ struct ComponentConfiguration {
   std::vector<GenericConfiguration> generics;  // with clock_hz, if the entity has it
   std::vector<PinConfiguration> pins;
   std::vector<std::optional<std::uint32_t>> event_groups;  // of each event: the group that it triggers
+
+  std::vector<WireConfiguration> wires;
+  std::vector<ConnectionConfiguration> connections;
 
   // The value of a generic, or `otherwise` if the spec gives none.
   [[nodiscard]] std::int64_t generic(const char* name, std::int64_t otherwise) const noexcept {
@@ -55,6 +70,13 @@ struct ComponentConfiguration {
       sum += pin.input == input ? pin.bits : 0;
     }
     return sum;
+  }
+  [[nodiscard]] std::uint32_t count_wires(bool input) const noexcept {
+    std::uint32_t count = 0;
+    for (const WireConfiguration& wire : wires) {
+      count += wire.input == input ? 1 : 0;
+    }
+    return count;
   }
   [[nodiscard]] std::uint32_t data_mask() const noexcept {
     return data_bits >= 32 ? 0xFFFFFFFFu : (1u << data_bits) - 1u;

@@ -116,6 +116,7 @@ class Placed:
     generics: tuple[tuple[str, Part], ...]
     pins: tuple[tuple[str, str], ...]  # (its port, the design's port)
     events: tuple[tuple[str, tuple[int, ...]], ...]  # (its port, the event lines)
+    wires: tuple[tuple[str, int], ...] = ()  # (its port, the number of the wire)
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,12 @@ class Plan:
     def address_width(self) -> int:
         """Characters of the longest address's name."""
         return max(len(address.name) for address in self.addresses)
+
+    @property
+    def wires(self) -> int:
+        """How many wires there are between components."""
+        numbers = [number for component in self.components for _, number in component.wires]
+        return max(numbers, default=-1) + 1
 
     @property
     def pins(self) -> tuple[Port, ...]:

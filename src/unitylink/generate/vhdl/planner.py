@@ -27,7 +27,7 @@ from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Regi
 from .records import Tree, records
 from .settings import safe_values_of, settings_of
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
-from .words import PlacedComponent, components_of, named_elements, tosnet_range, word_map
+from .words import PlacedComponent, components_of, named_elements, tosnet_range, wires_of, word_map
 
 # Settings that a virtual board can have and a generated design cannot: means of testing, and slaves that no
 # spec names.
@@ -67,6 +67,7 @@ class _Planner:
         self.slaves = link_slaves(spec)
         _check_slaves(self.slaves, configuration)
         self.ports: list[Port] = []
+        self.wires = wires_of(self.parts)
         self.initialised = [
             (path, element, element.initial)
             for path, element in spec.walk()
@@ -214,6 +215,7 @@ class _Planner:
             generics=tuple({**given, "data_width": own["data_width"]}.items()),
             pins=tuple(pins),
             events=self._lines_of(part.root, {port: f"{part.local}.{port}" for port in component.events}),
+            wires=tuple((port, number) for (path, port), number in self.wires.items() if path == part.path),
         )
 
     def _data_width(self) -> Vhdl:

@@ -98,6 +98,18 @@ def components_of(spec: Spec) -> tuple[PlacedComponent, ...]:
     return tuple(one for root in spec.roots for one in below(root, root.name))
 
 
+def wires_of(parts: Iterable[PlacedComponent]) -> dict[tuple[str, str], int]:
+    """Return the number of the wire of each port, (path, port), that has one. An output has one wire."""
+    numbers: dict[tuple[str, str], int] = {}
+    for part in parts:
+        prefix = part.path.removesuffix(part.local)
+        for port, way, other, its_port in part.component.connections:
+            own, its = (part.path, port), (prefix + other, its_port)
+            source, sink = (its, own) if way == "in" else (own, its)
+            numbers[sink] = numbers.setdefault(source, len(set(numbers.values())))
+    return numbers
+
+
 def named_elements(spec: Spec) -> Iterator[tuple[str, str, Element]]:
     """Yield the path, the name in VHDL and the element of each value, in the spec's order.
 

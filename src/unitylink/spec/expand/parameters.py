@@ -8,7 +8,9 @@ from fractions import Fraction
 
 from ..meaning.evaluate import MISSING, NONE, Evaluator, Quantity, RunTime, Value
 from ..meaning.scope import Scope, matched
+from ..model import Member
 from ..text.syntax import Argument, ExpansionNode, Parameter
+from .wires import Wires
 
 _INT_MAX = 1 << 63
 _NOTHING: dict[str, Value] = {}
@@ -19,6 +21,7 @@ class Parameters:
 
     def __init__(self, evaluator: Evaluator) -> None:
         self.evaluator = evaluator
+        self.wires = Wires(evaluator)
 
     def of_public(self, scope: Scope) -> dict[str, Value]:
         """Return the values for a public constructor.
@@ -43,12 +46,24 @@ class Parameters:
         return values
 
     def given(
-        self, node: ExpansionNode, callee: Scope, names: Mapping[str, Value]
+        self,
+        node: ExpansionNode,
+        callee: Scope,
+        names: Mapping[str, Value],
+        found: Mapping[str, list[Member]],
     ) -> dict[str, Value] | None:
-        """Return the values of an expansion's parameters. Return None after a diagnostic."""
+        """Return the values of an expansion's parameters. Return None after a diagnostic.
+
+        `found` has the members before it, to which wires may lead.
+        """
         values: dict[str, Value] = {}
         for parameter, argument in matched(callee.node.parameters, node.arguments):
-            value = self._typed(parameter, argument, names, node.callee.text)
+            is_wire = parameter.type is not None and parameter.type.text == "wire"
+            value = (
+                self.wires.find(argument, found, names)
+                if is_wire
+                else self._typed(parameter, argument, names, node.callee.text)
+            )
             if value is None:
                 return None
             values[parameter.text] = value

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ..annotation import Annotation
 from ..meaning.declared import Declared
@@ -46,6 +46,7 @@ class _Frame:
     link: LinkBinding
     block: Block | None = None
     component: Component | None = None
+    found: Found = field(default_factory=dict)
 
 
 class _TooMany(Exception):
@@ -132,6 +133,7 @@ class Resolver:
         self.placed.clear()
         self.blocks.clear()
         self.events.clear()
+        self._parameters.wires.clear()
         self._items = 0
         for scope in scopes:
             self._groups.clear()
@@ -169,7 +171,7 @@ class Resolver:
         if scope.node.notes.annotations:
             notes = annotations_of(scope.node.notes, self.evaluator, frame.names)
             self._make_component(frame)
-        found: Found = {}
+        found = frame.found
         groups: list[GroupNode] = []
         for node in scope.usable.values():
             if isinstance(node, ElementNode):
@@ -252,7 +254,7 @@ class Resolver:
         self._spend(1 + cost_of_expansion(node))
         callee = self.scopes.first[node.callee.text]
         path = f"{frame.path}.{name}" if frame.path else name
-        values = self._parameters.given(node, callee, names)
+        values = self._parameters.given(node, callee, names, frame.found)
         if values is None:
             return None
         vectors = self._vectors.bound(node, callee, frame.vectors, names)
@@ -273,6 +275,7 @@ class Resolver:
             else:
                 self._vectors.note_length((callee.node.name.text, text), vector, False, user)
         made = self._expand(inner, name, display, self._span(node.name))
+        self._parameters.wires.drives(made, self._root, node.callee.start, node.callee.end)
         notes = node.notes
         if index is None and not notes.documentation and not notes.annotations:
             return made
@@ -305,6 +308,8 @@ class Resolver:
             first = self._allocated[self._root, frame.path]
             number = Number(first - base, node.callee.start, node.callee.end)
             frame.vectors[name] = Vector([number], number.start, number.end, node.name.start)
+        else:
+            self._parameters.wires.unplaced = True
         bits = self._link_of(frame.link).address_bits or 32
         limit = 1 << bits if kind == "memory" else 0
         frame.block = Block(

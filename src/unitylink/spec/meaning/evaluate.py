@@ -14,7 +14,7 @@ from typing import Union
 
 from ..report.diagnostics import Advice, Reporter
 from ..report.suggest import nearest
-from ..text.syntax import Argument, Expression, Name, Number, Operation, Text
+from ..text.syntax import Argument, Expression, Name, Number, Operation, Path, Text
 from ..units import NONE as NO_UNIT
 from ..units import UNITS, Dimension, Unit, combined, spoken, unit
 
@@ -45,7 +45,24 @@ class Missing:
 
 
 Plain = Union[int, Fraction]
-Value = Union[int, Fraction, str, Quantity, RunTime, Missing]
+
+
+@dataclass(frozen=True)
+class Wire:
+    """An element of another component, to which a wire leads. As a number it is what one count of it is.
+
+    `component` is the path of its instance, and `port` its port, which is "in" or "out".
+    """
+
+    name: str
+    component: str
+    port: str
+    direction: str
+    scale: Plain | Quantity
+    bits: int
+
+
+Value = Union[int, Fraction, str, Quantity, RunTime, Missing, Wire]
 
 MISSING = Missing()
 NONE = "none"
@@ -85,6 +102,15 @@ class Evaluator:
         self.used = self.used or part.text in names
         return names.get(part.text, self.constants.get(part.text, WORDS.get(part.text))) is MISSING
 
+    def wire(self, expression: Expression, names: Mapping[str, Value]) -> Wire | None:
+        """Return the wire for which a name stands, or None if it stands for something else."""
+        part = expression
+        while isinstance(part, Argument) and len(part.parts) == 1:
+            part = part.parts[0]
+        found = names.get(part.text) if isinstance(part, Name) else None
+        self.used = self.used or found is not None
+        return found if isinstance(found, Wire) else None
+
     def text(self, expression: Expression, names: Mapping[str, Value], what: str) -> str | None:
         """Return the value of an expression that must be a string."""
         value = self.value(expression, names)
@@ -100,7 +126,7 @@ class Evaluator:
         value = self.value(expression, names)
         if value is None:
             return None
-        if isinstance(value, (str, RunTime, Quantity, Missing)):
+        if isinstance(value, (str, RunTime, Quantity, Missing, Wire)):
             self._wrong_kind(expression, f"{what} is a number", value)
             return None
         if isinstance(value, Fraction):
@@ -120,7 +146,7 @@ class Evaluator:
         value = self.value(expression, names)
         if value is None:
             return None
-        if isinstance(value, (str, RunTime, Missing)):
+        if isinstance(value, (str, RunTime, Missing, Wire)):
             self._wrong_kind(expression, f"{what} is a number", value)
             return None
         if not isinstance(value, Quantity):
@@ -149,13 +175,18 @@ class Evaluator:
             return self._with_unit(node) if node.unit else node.value
         if isinstance(node, Name):
             return self._named(node, names)
+        if isinstance(node, Path):
+            message = f"`{node.text}` is an element, and no number is known of it here"
+            hint = "only a parameter of the type `wire` takes an element"
+            self.reporter.report("UL047", node.start, node.end, message, hint)
+            raise Stop
         return self._operation(node, names)
 
     def _named(self, node: Name, names: Mapping[str, Value]) -> Value:
         found = names.get(node.text)
         if found is not None:
             self.used = True
-            return found
+            return found.scale if isinstance(found, Wire) else found
         found = self.constants.get(node.text)
         if found is None:
             found = WORDS.get(node.text)
@@ -189,7 +220,7 @@ class Evaluator:
         texts: list[str] = []
         length = 0
         for value, part in zip(values, node.parts, strict=True):
-            if isinstance(value, (RunTime, Quantity, Missing)) or (
+            if isinstance(value, (RunTime, Quantity, Missing, Wire)) or (
                 isinstance(part, Operation) and part.left is None
             ):
                 self._wrong_kind(part, "this sum is a string", value)

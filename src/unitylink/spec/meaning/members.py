@@ -18,7 +18,7 @@ _SHOWN = 150  # the most characters of a declaration in a hint
 _NAMES = 20  # the most names of a list that are searched for a message
 
 
-_PARAMETER_TYPES = ("string", "int", "real", "bool")
+_PARAMETER_TYPES = ("string", "int", "real", "bool", "wire")
 
 
 def check_members(scopes: Scopes, elements: ElementReader, link: Link) -> None:
@@ -46,7 +46,7 @@ class _Checker:
             if one.type is not None and one.type.text not in _PARAMETER_TYPES:
                 at = (one.type.start, one.type.end)
                 advice = self.reporter.did_you_mean(
-                    one.type.text, _PARAMETER_TYPES, "there are string, int, real and bool", at
+                    one.type.text, _PARAMETER_TYPES, "there are string, int, real, bool and wire", at
                 )
                 self.reporter.report("UL093", *at, f"`{one.type.text}` is no type of a parameter", advice)
             if one.default is not None:

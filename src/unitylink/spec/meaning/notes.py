@@ -5,7 +5,9 @@
 its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports that are connected.
 `@limit(value, most=other)` says what the generics cannot be (`generic_limits.py`).
 `@source("pwm.vhd")` names the VHDL of an entity that is not of the library. `@sequence`, `@setup` and
-`@cycle` are the program of a device on SPI or I²C (`sequence.py`). `@when(number)` is before an element.
+`@cycle` are the program of a device on SPI or I²C (`sequence.py`). `@wire("port", "out", "position")` is a
+port for the value of an element, and `@wire("port", "in", parameter)` leads to one. `@when(number)` is before
+an element.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from .generic_limits import check_limit, check_ranges, is_limit
 from .sequence import KINDS, generics_of
 from .vhdl_source import find_source
 
-RESERVED = ("component", "generic", "pin", "event", "source", "limit", "when", *KINDS)
+RESERVED = ("component", "generic", "pin", "event", "source", "limit", "when", "wire", *KINDS)
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # name of an entity, a port or a generic in VHDL
@@ -79,6 +81,8 @@ def component(
     events: list[str] = []
     sources: list[str] = []
     steps: list[AnnotationNode] = []
+    wires: list[tuple[str, str, str]] = []
+    connections: list[tuple[str, str, str, str]] = []
     clock_least_hz = 0
     for node in notes.annotations:
         kind = node.name.text
@@ -117,6 +121,27 @@ def component(
                 bits = evaluator.integer(node.arguments[2], names, "the number of pins", 0, _MAX_BITS)
             if bits is not None:
                 pins.append((texts[0], texts[1], bits))
+        elif kind == "wire" and len(texts) == 3 and texts[1] in ("in", "out"):
+            wires.append((texts[0], texts[1], texts[2]))
+        elif (
+            kind == "wire"
+            and len(texts) == 2
+            and texts[1] in ("in", "out")
+            and len(node.arguments) == 3
+            and (wire := evaluator.wire(node.arguments[2], names)) is not None
+        ):
+            port, direction = texts
+            wires.append((port, direction, ""))
+            if wire.direction == direction:
+                given_or_taken = "takes a value" if direction == "in" else "gives a value"
+                message = f"`{wire.name}` {given_or_taken} itself, and cannot be the {port} of this"
+                hint = "a wire leads from an output to an input"
+                evaluator.reporter.report("UL106", node.name.start, node.name.end, message, hint)
+            elif wire.component:
+                connections.append((port, direction, wire.component, wire.port))
+            if direction == "out" and wire.component:
+                generics.append((f"{port}_bits", wire.bits))
+                given.append((node.arguments[2], f"{port}_bits", wire.bits))
         elif kind == "limit" and is_limit(node):
             clock_least_hz = max(clock_least_hz, check_limit(node, evaluator, names))
         else:
@@ -127,7 +152,8 @@ def component(
         return None
     check_ranges(entity, sources, given, evaluator)
     ports = tuple(pins), tuple(events)
-    return Component(entity, base, words, tuple(generics), *ports, tuple(sources), clock_least_hz)
+    ends = tuple(wires), tuple(connections)
+    return Component(entity, base, words, tuple(generics), *ports, tuple(sources), clock_least_hz, *ends)
 
 
 def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
@@ -140,6 +166,7 @@ def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
         "source": '`@source("stepper.vhd")`',
         "limit": "`@limit(shortest, least=20, most=longest)`, `@limit(clock_hz, least=8*baud)`",
         "when": "`@when(with_index)`",
+        "wire": '`@wire("port", "out", "element")`, `@wire("port", "in", parameter)`',
     }[kind]
     message = f"this is no `@{kind}`" if kind == "when" else f"this is no `@{kind}` of a component"
     evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")

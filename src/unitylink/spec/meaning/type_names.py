@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from ..text.syntax import Argument, Expression, Name, Operation, TypeNode
+from ..text.syntax import Argument, Expression, Name, Operation, Path, TypeNode
 from ..types import EnumType, ValueType
 from .evaluate import Evaluator, Value
 
@@ -172,3 +172,7 @@ def names_of(node: Expression) -> Iterator[Name]:
         if node.left is not None:
             yield from names_of(node.left)
         yield from names_of(node.right)
+    elif isinstance(node, Path):
+        for step in node.steps:
+            if step.index is not None:
+                yield from names_of(step.index)

@@ -137,6 +137,7 @@ _VALUES = _errors(
     UL096="link not named",
     UL097="unknown constant",
     UL098="incomplete component",
+    UL106="wire that leads nowhere",
 )
 
 _UNUSED = _warnings(

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from .cursor import Cursor, Panic
 from .lexer import unescape
-from .syntax import Argument, Expression, Name, Number, Operation, Text
+from .syntax import Argument, Expression, Name, Number, Operation, Path, Step, Text
 
 MAX_OPERATIONS = 200  # most levels of one expression; all terms of a sum count as one level
 MAX_EXPONENT = 60  # the largest exponent of a decimal number: 1e60
@@ -76,8 +76,24 @@ class ExpressionReader(Cursor):
             self.expect(")", "`)`")
             return Argument(inner.parts, start, self.tokens.ends[self.i - 1])
         if kind == "name" or (kind == "keyword" and self.kinds[self.i + 1] != "="):
-            return self.name(what)
+            name = self.name(what)
+            return self._element_path(name) if self.kinds[self.i] in (".", "[") else name
         raise self.unexpected(what)
+
+    def _element_path(self, first: Name) -> Path:
+        steps: list[Step] = []
+        name = first
+        while True:
+            index: Argument | None = None
+            if self.kinds[self.i] == "[":
+                self._operator()
+                index = self._argument("the index", 1, None)
+                self.expect("]", "`]`")
+            steps.append(Step(name, False, index))
+            if self.kinds[self.i] != ".":
+                return Path(steps, first.start, self.tokens.ends[self.i - 1])
+            self._operator()
+            name = self.name("a member")
 
     def _operator(self) -> None:
         """Move past an operator or an opening bracket, unless there are too many of them."""

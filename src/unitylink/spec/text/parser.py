@@ -182,7 +182,7 @@ class _Parser(DeclarationReader):
             one = Parameter(name.text, name.start, name.end)
             if self.kinds[self.i] == ":":
                 self.i += 1
-                one.type = self.name("string, int, real or bool")
+                one.type = self.name("string, int, real, bool or wire")
             if self.accept("="):
                 one.default = self.argument("a value")
             node.parameters.append(one)

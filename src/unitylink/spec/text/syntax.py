@@ -62,7 +62,20 @@ class Argument:
         return len(self.parts) == 1 and type(self.parts[0]) in (Number, Text)
 
 
-Expression = Union[Number, Text, Name, Operation, Argument]
+@dataclass(slots=True)
+class Path:
+    """`wheel.position` or `wheel[0].position`: an element of another member, to which a wire leads."""
+
+    steps: list[Step]
+    start: int
+    end: int
+
+    @property
+    def text(self) -> str:
+        return ".".join(f"{step.name.text}[…]" if step.index else step.name.text for step in self.steps)
+
+
+Expression = Union[Number, Text, Name, Operation, Argument, Path]
 
 
 @dataclass(slots=True)
