@@ -101,6 +101,54 @@ def test_a_bounded_proof_has_no_covers_beyond_its_search(tools: Any) -> None:
         late_block(tools, 5, reach=10)
 
 
+def test_the_page_says_how_far_each_proof_goes(tools: Any) -> None:
+    rows = dict(
+        re.findall(
+            r"^\| (proven for ever|proven for a number of clocks|in no proof)[^|]*\| (.*) \|$",
+            (ROOT / "docs" / "gateware" / "formal.md").read_text(encoding="utf-8"),
+            re.MULTILINE,
+        )
+    )
+    bounded = {
+        name: found["depth"] for name, found in RECORD.items() if not found["induction"] and not found["pdr"]
+    }
+    assert re.findall(r"\[(\w+)\]", rows["proven for ever"]) == [
+        name for name in RECORD if name not in bounded
+    ]
+    said = re.findall(r"\[(\w+)\]\S* \((\d+)\)", rows["proven for a number of clocks"])
+    assert {name: int(depth) for name, depth in said} == bounded
+    assert not set(re.findall(r"`(\w+)`", rows["in no proof"])) & set(RECORD)
+
+
+def test_the_small_engine_has_an_effect_only_where_the_facts_allow_it(tools: Any) -> None:
+    facts, program = tools("small_facts"), tools("small_blocks").PLAIN
+    found = facts.Analysis(program)
+    effects = [
+        place
+        for place, line in enumerate(program.lines)
+        if (line.operation, line.operand)
+        in {("out", "read"), ("out", "write"), ("tell", "start"), ("tell", "arm")}
+    ]
+    assert len(effects) == 5
+    for place in effects:
+        known = found.facts[place]
+        assert known & facts.BIT["none"]
+        assert known & facts.BIT["older"] or (known & facts.BIT["is_post"] and known & facts.BIT["next"])
+    assert found.facts[program.labels["done"]] & facts.BIT["settled"]
+
+
+def test_a_fact_ends_where_a_byte_of_it_is_stored(tools: Any) -> None:
+    facts, small = tools("small_facts"), tools("small_blocks")
+    text = small._assemble.SOURCE.read_text(encoding="utf-8")
+    # The id changes behind `judge`, so nothing is known about it at the access.
+    changed = text.replace("            out read\n", "            st id_l\n            out read\n")
+    program = small._assemble.assemble(changed, "plain")
+    place = next(
+        at for at, line in enumerate(program.lines) if (line.operation, line.operand) == ("out", "read")
+    )
+    assert not facts.Analysis(program).facts[place] & facts.BIT["older"]
+
+
 QUICK = ["fifo", "crc8", "wishbone_interconnect"]
 
 

@@ -26,6 +26,9 @@ class Block:
     reached within the clocks that are searched. So must the moment at which each part of each property counts
     (`cases`). A proof for ever may take up to `reach` clocks for that.
 
+    A cover that lies deep may need a guide: inputs that are constants on the way to it (`guided`). If ABC
+    shows the induction (`by_abc`), a mutant must make it fail, because the fault lies too deep for a search.
+
     A part may be left out if it has a proof of its own, or too much memory for a solver. Each (entity,
     instance) of `without` is removed, and each signal in `loose` loses its driver. An undriven signal has any
     value at any time. What holds without the part also holds with it. Inputs of the property file show
@@ -41,6 +44,7 @@ class Block:
     deep: int = 0
     reach: int = 0
     induction: int | None = None
+    by_abc: bool = False  # ABC shows the induction, because the model is too large for z3
     pdr: bool = False
     for_ever: tuple[str, ...] = ()  # too many for `pdr` at once, so they are proven one by one
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
@@ -49,11 +53,16 @@ class Block:
     loose: tuple[str, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)  # signal: output of the property file
     not_proven: str = ""  # what a reader may expect, but is not proven
+    guided: Mapping[str, int] = field(
+        default_factory=dict
+    )  # inputs that stand still on the way to the covers
     quick: bool = False  # also proven in the short form, which is a test
     # each clock is an input; depths then count steps, and any clock may change in a step
     several_clocks: bool = False
 
     def __post_init__(self) -> None:
+        if self.by_abc and self.induction is None:
+            raise ValueError(f"{self.name}: ABC shows an induction, and there is none: no `by_abc`")
         if self.reach and self.is_bounded:
             raise ValueError(f"{self.name}: what a bounded proof does not search proves nothing: no `reach`")
 

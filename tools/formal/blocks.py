@@ -7,6 +7,7 @@ from block import Block, Mutant
 from bus_blocks import BUS_BLOCKS
 from component_blocks import COMPONENT_BLOCKS
 from physical_blocks import PHYSICAL_BLOCKS
+from small_blocks import SMALL_BLOCKS
 
 BLOCKS = (
     Block(
@@ -370,5 +371,6 @@ BLOCKS = (
             ),
         ),
     ),
+    *SMALL_BLOCKS,
     *COMPONENT_BLOCKS,
 )

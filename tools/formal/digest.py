@@ -25,6 +25,8 @@ _ASKS = (  # the files that make the models and ask the solvers
     *(_HERE / name for name in ("cases.py", "model.py", "solvers.py")),
     *(Path(str(module.__file__)) for module in (ghdl_module, repairs_module)),
 )
+_ASKS_LARGE = _HERE / "large.py"  # for blocks that set one of these fields
+_LARGE = ("by_abc", "guided")
 _WORDS_ONLY = ("what", "not_proven", "quick")  # fields of a row that change no question
 
 
@@ -35,7 +37,7 @@ def digest(block: Block) -> str:
     valid.
     """
     said = hashlib.sha256()
-    for part in (_row(block), *map(plain_text, sources_of(block)), *map(_python, _ASKS)):
+    for part in (_row(block), *map(plain_text, sources_of(block)), *map(_python, _asks(block))):
         said.update(part.encode() + b"\0")
     return said.hexdigest()[:16]
 
@@ -62,5 +64,15 @@ def _python(path: Path) -> str:
     return ast.dump(tree)
 
 
+def _asks(block: Block) -> tuple[Path, ...]:
+    return (*_ASKS, _ASKS_LARGE) if _is_large(block) else _ASKS
+
+
+def _is_large(block: Block) -> bool:
+    return any(getattr(block, name) for name in _LARGE)
+
+
 def _row(block: Block) -> str:
-    return repr([getattr(block, each.name) for each in fields(block) if each.name not in _WORDS_ONLY])
+    """Return what a row asks. The fields for large blocks count only there."""
+    left_out = _WORDS_ONLY if _is_large(block) else (*_WORDS_ONLY, *_LARGE)
+    return repr([getattr(block, each.name) for each in fields(block) if each.name not in left_out])

@@ -13,12 +13,21 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any
 
+import large
 from block import Block, Mutant
 from blocks import BLOCKS
 from digest import digest, stale
-from model import model, unreachable
+from model import Model, model, unreachable
 from page import page, table
-from solvers import always, followed, inductive, reached, reached_late, violated, violated_at
+from solvers import (
+    always,
+    followed,
+    inductive,
+    reached,
+    reached_late,
+    violated,
+    violated_at,
+)
 
 from unitylink.errors import ToolError
 
@@ -46,7 +55,7 @@ def prove(block: Block) -> Result:
             failed = followed(made, trace)
         if failed:
             raise ToolError(f"{block.name}: {', '.join(failed)} can be violated; how is in {trace}")
-        if block.induction is not None and not inductive(made, block.induction):
+        if block.induction is not None and not _is_inductive(block, made):
             raise ToolError(f"{block.name}: no induction at depth {block.induction}")
         if block.pdr and not always(made):
             raise ToolError(
@@ -57,7 +66,7 @@ def prove(block: Block) -> Result:
                 raise ToolError(
                     f"{block.name}: {name} can be violated after more than {block.searched} clocks"
                 )
-        covers = unreachable(block, made)
+        covers = (large.unreachable if block.guided else unreachable)(block, made)
         clocks = reached(covers, block.reached)
         for name in set(covers.named) - set(clocks):
             if (
@@ -81,11 +90,19 @@ def prove(block: Block) -> Result:
     }
 
 
+def _is_inductive(block: Block, made: Model) -> bool:
+    assert block.induction is not None
+    return (large.inductive if block.by_abc else inductive)(made, block.induction)
+
+
 def catch(block: Block, mutant: Mutant) -> str:
     """Return the property that notices the fault first. Raises ToolError if none does."""
     with tempfile.TemporaryDirectory(prefix="unitylink-formal-") as folder:
         made = model(block, Path(folder), mutant)
-        if found := violated_at(made, block.reached):
+        if block.by_abc:
+            if not _is_inductive(block, made):
+                return "induction"
+        elif found := violated_at(made, block.reached):
             return found[1]
         for name in block.for_ever:
             if not always(made, name):
