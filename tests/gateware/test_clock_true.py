@@ -147,7 +147,12 @@ CASES = {
     "estop": (
         Case("inputs=2, filter=5 us", {0: (0, 1, 1)}, pause=300, quiet=900, rest=1),
         Case(
-            "inputs=1, closed_level=0, filter=0 us, watchdog=1 ms", {0: (0, 1)}, pause=900, quiet=5000, rest=0
+            "inputs=1, closed_level=0, filter=0 us, watchdog=1 ms",
+            {0: (0, 1)},
+            pause=6000,
+            quiet=20_000,
+            rest=0,
+            clocks=200_000,
         ),
         Case("inputs=16, filter=3 us, watchdog=2 ms", {0: (0, 1)}, pause=1500, quiet=9000, rest=1),
     ),
@@ -264,7 +269,7 @@ FAULTS = [
         "result(term_long)  := std_ulogic_vector(to_unsigned(short_clocks,",
     ),
     ("stepgen", 1, "state = resting and down /= direction", "down /= direction"),
-    ("stepgen", 1, "timer <= space_clocks - 1;", "timer <= space_clocks;"),
+    ("stepgen", 1, "timer <= length_clocks - 1;", "timer <= length_clocks - 2;"),
     ("gpio", 0, "before  <= levels;", "before  <= levels and not before;"),
     ("gpio", 0, "pin_out <= pin_out and not write_words(4)", "pin_out <= not write_words(4)"),
     ("gpio", 2, "snapshot => true", "snapshot => false"),
@@ -276,7 +281,7 @@ FAULTS = [
     ("pwm", 2, "return to_unsigned(servo_maximum_us,", "return to_unsigned(servo_maximum_us + 1,"),
     ("estop", 0, "enabled_before = '0' and is_open = '0'", "enabled_before = '0'"),
     ("estop", 1, "silent_clocks = watchdog_clocks;", "silent_clocks = watchdog_clocks - 1;"),
-    ("estop", 2, "if not breaks then", "if silent then"),
+    ("estop", 1, "          late   <= '1';", "          late   <= '0';"),
     ("quadrature_encoder", 3, "given  <= preset;", "given  <= '0';"),
     ("quadrature_encoder", 0, "total                := by;", "total                := (others => '0');"),
     ("quadrature_encoder", 0, "if has_index(channel) = '0' then", "if true then"),
