@@ -81,7 +81,7 @@ ROWS = (
             "exchanges": 0,
             "deadman": False,
         },
-        cells_most=800,
+        cells_most=1400,
         mhz_least=97.0,
     ),
     Row(
