@@ -14,10 +14,8 @@ from unitylink.boards import Order, load_board
 from unitylink.cli import main
 from unitylink.errors import BoardError, DeviceMismatch, ToolError, UrlError
 from unitylink.layer2_message import Link
-from unitylink.layer4_data import load_spec_objects
 from unitylink.resources import resource_folder
 from unitylink.simulate.bit import Placed, placed
-from unitylink.spec import load
 
 pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the bitstream
 
@@ -159,27 +157,3 @@ def test_missing_tools(url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ToolError, match=r"nextpnr-ice40 is missing; .*sudo apt-get install nextpnr-ice40"):
         connect(url)
-
-
-@pytest.mark.long
-def test_two_way_pins_behind_a_pll(tmp_path: Path) -> None:
-    """An iCE40 HX8K makes 48 MHz of its 12 MHz, for the small engine. The pins of a gpio go both ways."""
-    file = tmp_path / "pad.ul"
-    file.write_text("link pad (ENGINE=small);\npublic pad() { io: gpio(pins=2); }\n")
-    with connect(f"bit:{file}?board=ice40-hx8k") as link:
-        pad, pins = load_spec_objects(load(file), link), link.board.pins
-        assert link.board.configuration.clock_hz == 48_000_000
-        assert sorted(pins) == ["C10", "D10"]
-        assert not pins.driven("C10") and not pins.driven("D10")
-        pad["io.outputs"].write(0b01)
-        assert not pins.driven("C10"), "an output that is switched off"
-        pad["io.direction"].write(0b01)
-        assert pins.driven("C10") and pins["C10"] and not pins.driven("D10")
-        for level in (True, False, True):
-            pins["D10"] = level
-            assert pad["io.levels"].read() == 0b01 | level << 1
-        pad["io.clear"].write(0b01)
-        assert not pins["C10"] and pad["io.levels"].read() == 0b10
-        pad["io.direction"].write(0)
-        pins["C10"] = True
-        assert not pins.driven("C10") and pad["io.levels"].read() == 0b11
