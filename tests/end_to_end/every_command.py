@@ -32,7 +32,10 @@ def commands_with_a_link() -> set[str]:
         command = import_module(module_of(name)).command
         if any("LINK" in (parameter.metavar or "") for parameter in command.params):
             found.add(name)
-    return found - {"serve"}  # it does not end by itself; test_every_scheme.py starts it
+    return found - {
+        "serve",
+        "dashboard",
+    }  # they do not end by themselves; test_every_scheme.py starts a server
 
 
 def converse(
