@@ -390,8 +390,8 @@ void bind_board(nb::module_& module) {
       .def("damage_cycle", &Board::damage_cycle, Release())
       .def("hang_up", &Board::hang_up, Release())
       .def("drive", &Board::drive, nb::arg("component"), nb::arg("pin"), nb::arg("level"), Release())
-      .def("attach_spi", &attach_spi<PythonBoard>, nb::arg("component"), nb::arg("pins"), nb::arg("mode"),
-           nb::keep_alive<0, 1>())
+      .def("attach_spi", &attach_spi<PythonBoard>, nb::keep_alive<0, 1>())
+      .def("attach_esc", &attach_esc<PythonBoard>, nb::keep_alive<0, 1>())
       .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())
       .def(
           "turn",

@@ -20,7 +20,8 @@ void bind_board_device(nb::module_& module) {
              std::array<std::uint8_t, 256> found{};
              {
                const GilRelease released;
-               self.board->with_device(self.component, [&](const BusDevice& device) { found = device.registers; });
+               self.board->with_device(self.component, self.out,
+                                       [&](const BusDevice& device) { found = device.registers; });
              }
              return nb::bytes(reinterpret_cast<const char*>(found.data()), found.size());
            })
@@ -29,7 +30,7 @@ void bind_board_device(nb::module_& module) {
           [](const BoardDevice& self, std::uint32_t first, const nb::bytes& values) {
             const std::string bytes(values.c_str(), values.size());
             const GilRelease released;
-            self.board->with_device(self.component, [&](BusDevice& device) {
+            self.board->with_device(self.component, self.out, [&](BusDevice& device) {
               for (std::size_t number = 0; number < bytes.size() && first + number < device.registers.size();
                    ++number) {
                 device.registers[first + number] = static_cast<std::uint8_t>(bytes[number]);
@@ -40,7 +41,8 @@ void bind_board_device(nb::module_& module) {
       .def(
           "plug",
           [](const BoardDevice& self, bool plugged) {
-            self.board->with_device(self.component, [plugged](BusDevice& device) { device.plugged = plugged; });
+            self.board->with_device(self.component, self.out,
+                                    [plugged](BusDevice& device) { device.plugged = plugged; });
           },
           nb::arg("plugged"), Release());
 }

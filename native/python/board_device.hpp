@@ -17,6 +17,7 @@ namespace unitylink::python {
 struct BoardDevice {
   device::Board* board;
   std::uint32_t component;
+  std::uint32_t out;  // the first of its lines
 };
 
 using SpiPins = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
@@ -30,7 +31,20 @@ std::optional<BoardDevice> attach_spi(PythonBoard& self, std::uint32_t component
   if (!self.attach(component, device::SpiLines{select_n, sclk, mosi, miso, mode})) {
     return std::nullopt;
   }
-  return BoardDevice{&self, component};
+  return BoardDevice{&self, component, select_n};
+}
+
+// Puts a speed controller at the pins out and in of a component. Lengths are clocks. None: it has no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_esc(PythonBoard& self, std::uint32_t component,
+                                      const std::tuple<std::uint32_t, std::uint32_t>& pins, double bit, double answer,
+                                      bool replies) {
+  const auto [out, in] = pins;
+  const GilRelease released;
+  if (!self.attach(component, device::EscLines{out, in, bit, answer, replies})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component, out};
 }
 
 }  // namespace unitylink::python

@@ -337,16 +337,16 @@ bool Board::turn(std::uint32_t component, const EncoderLines& lines, std::int64_
   return found;
 }
 
-bool Board::attach(std::uint32_t component, const SpiLines& lines) {
+bool Board::attach(std::uint32_t component, const DeviceLines& lines) {
   const auto lock = enter();
   const bool found = device_->pins().attach(component, lines, device_->clock()) != nullptr;
   wake();
   return found;
 }
 
-bool Board::with_device(std::uint32_t component, const std::function<void(BusDevice&)>& use) {
+bool Board::with_device(std::uint32_t component, std::uint32_t out, const std::function<void(BusDevice&)>& use) {
   const auto lock = enter();
-  BusDevice* found = device_->pins().attached(component);
+  BusDevice* found = device_->pins().attached(component, out);
   if (found != nullptr) {
     use(*found);
   }

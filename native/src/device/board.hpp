@@ -73,9 +73,9 @@ class Board {
   // The pins of components: their outside. False or nothing: there is no such pin.
   bool drive(std::uint32_t component, std::uint32_t pin, bool level);
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, double seconds);
-  bool attach(std::uint32_t component, const SpiLines& lines);
-  // Calls `use` with the device at a component's pins. False: there is none.
-  bool with_device(std::uint32_t component, const std::function<void(BusDevice&)>& use);
+  bool attach(std::uint32_t component, const DeviceLines& lines);
+  // Calls `use` with the device whose first line is this output of a component. False: there is none.
+  bool with_device(std::uint32_t component, std::uint32_t out, const std::function<void(BusDevice&)>& use);
   bool count_by(std::uint32_t component, std::uint32_t pin, std::uint32_t direction);
   std::optional<SeenPin> look(std::uint32_t component, std::uint32_t pin);
   void set_online(bool online);  // this call and the next are for the TosNet

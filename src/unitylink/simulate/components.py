@@ -10,6 +10,9 @@ from unitylink.errors import ValueRangeError
 from unitylink.interface.components import ComponentConfiguration
 
 from .device_registers import DeviceRegisters
+from .speed_controller import SpeedController
+
+_ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller
 
 
 class BoardComponent:
@@ -39,6 +42,7 @@ class BoardComponent:
         self._counted: set[tuple[int, int]] = set()
         self._pulses: dict[int, tuple[int, float]] = {}  # pin -> pulses and high time at the last look
         self._device: DeviceRegisters | None = None
+        self._controllers: dict[int, SpeedController] = {}
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -125,6 +129,24 @@ class BoardComponent:
                 raise self._without_pins()
             self._device = DeviceRegisters(found, self.configuration.path)
         return self._device
+
+    def controller(self, channel: int = 0) -> SpeedController:
+        """Return the speed controller at a channel of a `dshot`. The first call puts it there.
+
+        esc = board.components["motor"].controller(0)
+        esc.turn(1000.0 * esc.throttle)  # electrical rad/s
+        """
+        if channel not in self._controllers:
+            pins = self._pin("out", "line_out", channel), self._pin("in", "line_in", channel)
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            bit = facts["clock_hz"] / (1000 * facts["kbaud"])
+            answer = _ANSWER_S * facts["clock_hz"]
+            replies = bool(facts["bidirectional"])
+            found = self._native.attach_esc(self._number, pins, bit, answer, replies)
+            if found is None:
+                raise self._without_pins()
+            self._controllers[channel] = SpeedController(DeviceRegisters(found, self.configuration.path))
+        return self._controllers[channel]
 
     def _look(self, port: str, bit: int) -> tuple[bool, int, int, float, float]:
         seen = self._native.look(self._number, self._pin("out", port, bit))

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <variant>
 
 #include "device/clock.hpp"
 
@@ -28,5 +29,16 @@ struct SpiLines {
   std::uint32_t miso = 0;
   std::uint32_t mode = 0;
 };
+
+// The line of a speed controller with DShot: places among the outputs and the inputs. Lengths are clocks.
+struct EscLines {
+  std::uint32_t out = 0;
+  std::uint32_t in = 0;
+  double bit = 1;        // the length of a bit
+  double answer = 1;     // from the end of a frame to the reply
+  bool replies = false;  // it is bidirectional
+};
+
+using DeviceLines = std::variant<SpiLines, EscLines>;
 
 }  // namespace unitylink::device

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "device/clock.hpp"
 
@@ -26,8 +27,8 @@ class OutputPin {
     }
     level_ = level;
     changed_ = state;
-    if (watcher_) {
-      watcher_(level, state);
+    for (const Watcher& watcher : watchers_) {
+      watcher(level, state);
     }
   }
 
@@ -41,8 +42,15 @@ class OutputPin {
 
   [[nodiscard]] bool is_counted() const noexcept { return direction_ != nullptr; }
   void count_by(const OutputPin* direction) noexcept { direction_ = direction; }
-  void watch(Watcher watcher) { watcher_ = std::move(watcher); }
-  [[nodiscard]] bool is_watched() const noexcept { return static_cast<bool>(watcher_); }
+  // Several may watch a pin. An empty watcher sends all away.
+  void watch(Watcher watcher) {
+    if (watcher) {
+      watchers_.push_back(std::move(watcher));
+    } else {
+      watchers_.clear();
+    }
+  }
+  [[nodiscard]] bool is_watched() const noexcept { return !watchers_.empty(); }
 
  private:
   bool level_ = false;
@@ -51,7 +59,7 @@ class OutputPin {
   std::uint64_t high_clocks_ = 0;
   std::int64_t steps_ = 0;
   const OutputPin* direction_ = nullptr;
-  Watcher watcher_;
+  std::vector<Watcher> watchers_;
 };
 
 }  // namespace unitylink::device

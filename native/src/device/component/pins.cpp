@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
 
 namespace unitylink::device {
@@ -29,6 +30,9 @@ Place place_of(const ComponentConfiguration& configuration, const std::string& p
   }
   return {};
 }
+
+std::uint32_t first_output(const SpiLines& lines) noexcept { return lines.select_n; }
+std::uint32_t first_output(const EscLines& lines) noexcept { return lines.out; }
 
 }  // namespace
 
@@ -69,7 +73,18 @@ bool Pins::settle(const TwoWay& pin, Clock at) {
   return put(pin.component, pin.input, pin.driven->level() ? pin.out->level() : pin.outside, at);
 }
 
-BusDevice* Pins::attach(std::uint32_t component, const SpiLines& lines, Clock now) {
+BusDevice* Pins::attach(std::uint32_t component, const DeviceLines& lines, Clock now) {
+  const std::uint32_t out = std::visit([](const auto& one) { return first_output(one); }, lines);
+  if (attached(component, out) == nullptr) {
+    auto made = std::visit([&](const auto& one) { return device_at(component, one, now); }, lines);
+    if (made != nullptr) {
+      devices_[{component, out}] = std::move(made);
+    }
+  }
+  return attached(component, out);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const SpiLines& lines, Clock now) {
   for (const std::uint32_t pin : {lines.select_n, lines.sclk, lines.mosi}) {
     if (output(component, pin, now) == nullptr) {
       return nullptr;
@@ -78,12 +93,23 @@ BusDevice* Pins::attach(std::uint32_t component, const SpiLines& lines, Clock no
   if (!drive(component, lines.miso, true, now)) {
     return nullptr;
   }
-  return (devices_[component] = std::make_unique<SpiRegisters>(*this, component, lines, now)).get();
+  return std::make_unique<SpiRegisters>(*this, component, lines, now);
 }
 
-BusDevice* Pins::attached(std::uint32_t component) const noexcept {
-  const auto found = devices_.find(component);
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const EscLines& lines, Clock now) {
+  if (output(component, lines.out, now) == nullptr || !drive(component, lines.in, true, now)) {
+    return nullptr;
+  }
+  return std::make_unique<SpeedController>(*this, component, lines, now);
+}
+
+BusDevice* Pins::attached(std::uint32_t component, std::uint32_t out) const noexcept {
+  const auto found = devices_.find({component, out});
   return found == devices_.end() ? nullptr : found->second.get();
+}
+
+void Pins::drive_at(std::uint32_t component, std::uint32_t pin, bool level, Clock at) {
+  later_.emplace(at, Later{component, pin, level});
 }
 
 // The clock of the next count. With more than one count a clock, the lines jump, as those of a shaft that is too fast.
@@ -122,7 +148,7 @@ bool Pins::turn(std::uint32_t component, const EncoderLines& lines, std::int64_t
 }
 
 Clock Pins::next_turn() const noexcept {
-  Clock soonest = never;
+  Clock soonest = later_.empty() ? never : later_.begin()->first;
   for (const auto& [place, shaft] : shafts_) {
     soonest = shaft.prompt ? std::min(soonest, shaft.next()) : soonest;
   }
@@ -130,6 +156,11 @@ Clock Pins::next_turn() const noexcept {
 }
 
 void Pins::advance_turns(Clock now) {
+  while (!later_.empty() && later_.begin()->first <= now) {
+    const auto [at, next] = *later_.begin();
+    later_.erase(later_.begin());
+    drive(next.component, next.pin, next.level, at);
+  }
   for (auto& [place, shaft] : shafts_) {
     for (Clock next = shaft.next(); next <= now; next = shaft.next()) {
       shaft.counts = shaft.at(next);

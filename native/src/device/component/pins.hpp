@@ -40,11 +40,13 @@ class Pins {
 
   // Turns an encoder to so many counts, evenly until `until`. The lines change at their own clocks meanwhile.
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
-  // Puts a device on SPI at the pins of a component. nullptr: it has no such pins.
-  BusDevice* attach(std::uint32_t component, const SpiLines& lines, Clock now);
-  // The device at the pins of a component, or nullptr.
-  [[nodiscard]] BusDevice* attached(std::uint32_t component) const noexcept;
-  // When the next line of an encoder changes that somebody waits for. The others change when the component is asked.
+  // Puts a device at the pins of a component, once. nullptr: it has no such pins.
+  BusDevice* attach(std::uint32_t component, const DeviceLines& lines, Clock now);
+  // The device whose first line is this output of a component, or nullptr.
+  [[nodiscard]] BusDevice* attached(std::uint32_t component, std::uint32_t out) const noexcept;
+  // Drives an input later, as a device does that answers.
+  void drive_at(std::uint32_t component, std::uint32_t pin, bool level, Clock at);
+  // When the next line changes that somebody waits for. The others change when the component is asked.
   [[nodiscard]] Clock next_turn() const noexcept;
   // All lines show what they show at `now`. Call it before a component is asked.
   void advance_turns(Clock now);
@@ -65,7 +67,15 @@ class Pins {
     bool outside = false;  // what the outside gives
   };
 
+  struct Later {
+    std::uint32_t component;
+    std::uint32_t pin;
+    bool level;
+  };
+
   bool settle(const TwoWay& pin, Clock at);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const SpiLines& lines, Clock now);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const EscLines& lines, Clock now);
 
   struct Shaft {
     std::int64_t counts = 0;  // that the lines show
@@ -83,7 +93,8 @@ class Pins {
 
   std::vector<std::unique_ptr<TwoWay>> two_way_;
   std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
-  std::map<std::uint32_t, std::unique_ptr<BusDevice>> devices_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<BusDevice>> devices_;
+  std::multimap<Clock, Later> later_;
 };
 
 }  // namespace unitylink::device
