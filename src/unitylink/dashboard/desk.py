@@ -13,6 +13,7 @@ from unitylink.errors import UnknownName, ValueRangeError, shown
 from unitylink.layer4_data import ClearValue, Node, PulseValue, Value, ValueGroup, WriteValue
 from unitylink.server.gate import Client, Gate, Now
 from unitylink.server.subtree import contains
+from unitylink.values import format_value
 
 from .description import as_text
 
@@ -70,10 +71,12 @@ class Desk:
         strobe.codec.encode(value)
         self._do(client, {path: value}, lambda: strobe.pulse(value))
 
-    def clear(self, client: Client, path: str) -> None:
-        """Clear the flags of a W1C item that were read last. Raises what `write` raises."""
+    def clear(self, client: Client, path: str, seen: Any) -> None:
+        """Clear those flags of a W1C item that were seen. Raises what `write` raises."""
         flags = self._value(path, ClearValue)
-        self._do(client, {path: flags.raw}, flags.clear)
+        if seen is None:
+            raise ValueRangeError(f"{path}: no value has come yet, so the flags to clear are not known")
+        self._do(client, {path: format_value(seen)}, lambda: flags.clear(seen))
 
     def _do(self, client: Client, values: Mapping[str, Any], send: Callable[[], None]) -> None:
         with self._board_lock:

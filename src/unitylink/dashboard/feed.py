@@ -94,6 +94,10 @@ class Feed:
         with self._lock:
             self._arrived.setdefault(tuple(values), []).append((times, raws))
 
+    def latest(self, path: str) -> Any:
+        """Return the newest value of an item, or None."""
+        return self._by_path[path].value.latest if path in self._by_path else None
+
     def gather(self) -> int:
         """Put what has arrived since the last call into the histories. Return the number of this round."""
         with self._lock:

@@ -177,7 +177,9 @@ class Viewer:
         return self._station.at_board(self._station.desk.pulse, self.client, path, value)
 
     def _clear(self, request: Request) -> Any:
-        return self._station.at_board(self._station.desk.clear, self.client, request.text("path"))
+        path = request.text("path")
+        seen = self._station.feed.latest(path)
+        return self._station.at_board(self._station.desk.clear, self.client, path, seen)
 
     def _arm(self, _: Request) -> Any:
         return self._station.at_board(self._station.desk.arm, self.client)
