@@ -62,7 +62,8 @@ class Ghdl:
         # Our own VHDL never compares an unknown value. Gates do, and so does a bus that decodes an address
         # without a strobe. So in netlists and generated designs, a warning of numeric_std means nothing.
         self.strict = strict
-        self.make = ["-m", "--std=08", *STRICT, *(COUNT_LINES if count_lines else [])]
+        # The GHDL that counts lines compiles unit by unit, and warns of checks that it delays.
+        self.make = ["-m", "--std=08", *(COUNT_LINES if count_lines else STRICT)]
         self._call("-i", "--std=08", *(["--work=unitylink"] if own else []), *map(str, sources))
         if own:
             self._call("-i", "--std=08", *map(str, own))

@@ -196,7 +196,7 @@ ROWS = (
     Row(
         "quadrature_encoder",
         "a component: one incremental encoder without index and stamps",
-        top="quadrature_encoder",
+        top="narrow_quadrature_encoder",
         cells_most=160,
         mhz_least=50.0,
         memories_most=4,
@@ -240,7 +240,7 @@ ROWS = (
     Row(
         "h_bridge",
         "a component: a DC motor behind four gates, at 20 kHz",
-        top="h_bridge",
+        top="narrow_h_bridge",
         cells_most=300,
         mhz_least=50.0,
     ),
