@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from unitylink.dashboard.place import Place, is_loopback
 from unitylink.program import stopped_by_signals
 
 from .failure import Failure
 from .output import json_option, print_json
 from .root_option import part_of, root_option
-from .serving import is_loopback, place_of
+from .serving import place_of
 
 if TYPE_CHECKING:
-    from unitylink.dashboard.place import Place
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens
     from unitylink.spec.model import Spec

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import ipaddress
 import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from unitylink.dashboard.place import is_loopback
 from unitylink.program import stopped_by_signals
 
 if TYPE_CHECKING:
@@ -103,12 +103,3 @@ def place_of(kind: str, text: str) -> tuple[str | None, int]:
             f"--{kind} {text}: expected [HOST:]PORT with a port from 0 to 65535, like 5555"
         )
     return (host.strip("[]") or None) if colon else None, int(port)
-
-
-def is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
