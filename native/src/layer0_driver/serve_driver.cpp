@@ -37,7 +37,7 @@ Outcome find_token(const Url& url, std::string& token) {
   return {};
 }
 
-Status status_of(std::string_view reason) noexcept {
+Status status_of_refusal(std::string_view reason) noexcept {
   return reason == "token"   ? Status::refused
          : reason == "board" ? Status::not_found
          : reason == "away"  ? Status::closed
@@ -105,7 +105,7 @@ Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Dri
     return {Status::mismatch, place_of(url) + ": what listens there is no `unitylink serve`"};
   }
   if (!told->reason.empty()) {
-    return {status_of(told->reason), place_of(url) + ": " + told->text};
+    return {status_of_refusal(told->reason), place_of(url) + ": " + told->text};
   }
   driver = std::move(opened);
   return {};

@@ -11,7 +11,7 @@ namespace {
 
 using namespace protocol;
 
-Status status_of(std::string_view error) noexcept {
+Status status_of_error(std::string_view error) noexcept {
   const bool bus = error == application_error::bus_error_read || error == application_error::bus_error_write ||
                    error == application_error::bus_timeout;
   return bus ? Status::bus_error : Status::protocol_error;
@@ -123,7 +123,7 @@ void ClassicEngine::on_application_error(Exchange& exchange, const Message& mess
   exchange.words = exchange.operation == Operation::read_many && configuration_.data_bytes > 0
                        ? static_cast<std::uint32_t>(message.data.size() / configuration_.data_bytes)
                        : 0;
-  const Status status = status_of(message.error);
+  const Status status = status_of_error(message.error);
   if (message.error == application_error::bus_timeout) {
     on_bus_timeout(exchange);
   } else if (status == Status::bus_error) {

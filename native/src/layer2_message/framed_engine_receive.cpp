@@ -18,7 +18,7 @@ constexpr std::uint64_t careful_ns = 40'000'000;
 constexpr std::uint64_t careful_posts = 200;
 constexpr std::uint32_t turns_at_once = 16;  // transmissions of a request that is answered with `order` or `behind`
 
-Status status_of(std::uint8_t status) noexcept {
+Status status_of_reply(std::uint8_t status) noexcept {
   switch (status) {
     case reply_status::ok: return Status::ok;
     case reply_status::bus_error:
@@ -266,13 +266,13 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     on_executed(place);
   }
   if (!executed(status) && (exchange->writes() || exchange->batch != nullptr)) {
-    refuse(place, status_of(status));
+    refuse(place, status_of_reply(status));
     return;
   }
   const bool over = status == reply_status::ok && exchange->operation == Operation::close_session;
   release(place);
   progress_ns_ = is_own(*exchange) ? progress_ns_ : now_ns_;
-  finish(*exchange, status_of(status));
+  finish(*exchange, status_of_reply(status));
   if (over) {  // the session is closed; the next request opens another one
     lose_session();
     session_epoch_ = no_session;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t unknown_ticks = 0xFFFFFFFF;  // arming starts the dead-man with its last limit
 
-std::uint32_t status_of(const Outcome& outcome) noexcept {
+std::uint32_t status_of_outcome(const Outcome& outcome) noexcept {
   switch (outcome.status) {
     case Status::ok: return status::ok;
     case Status::denied: return status::denied;
@@ -40,7 +40,7 @@ std::uint32_t BoardServer::define_group(Session& session, std::uint32_t group, s
   if (on_event) {
     definition.event = group;
   }
-  return status_of(fan_out_.add({&session, group}, std::move(definition)));
+  return status_of_outcome(fan_out_.add({&session, group}, std::move(definition)));
 }
 
 std::uint32_t BoardServer::set_dead_man() {
@@ -61,7 +61,7 @@ std::uint32_t BoardServer::set_dead_man() {
   } else if (outcome.status == Status::denied) {
     notice_trip();
   }
-  return status_of(outcome);
+  return status_of_outcome(outcome);
 }
 
 std::uint32_t BoardServer::arm() {
@@ -74,7 +74,7 @@ std::uint32_t BoardServer::arm() {
     board_ticks_ = unknown_ticks;
     return set_dead_man();
   }
-  return status_of(outcome);
+  return status_of_outcome(outcome);
 }
 
 void BoardServer::notice_trip() noexcept {
