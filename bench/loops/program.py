@@ -24,7 +24,6 @@ from unitylink.spec import load
 SPEC = Path(__file__).with_name("board.ul")
 TOPICS = "loops"
 LEVELS, OUTPUTS = 0, 1  # addresses of board.ul
-ANSWER_S = 10.0  # for one write: a busy machine may keep the board waiting
 
 
 def ready() -> None:
@@ -45,7 +44,7 @@ def on_events(url: str) -> None:
     with connect(url) as link:
         board = prepare(link)
         outputs = board["pad.outputs"]
-        board["pad.levels"].on_change(lambda levels: outputs.write((levels & 1) << 1, timeout_s=ANSWER_S))
+        board["pad.levels"].on_change(lambda levels: outputs.write((levels & 1) << 1))
         ready()
         threading.Event().wait()
 

@@ -23,11 +23,12 @@ pytestmark = pytest.mark.xdist_group("ros1")  # one workspace is built for all o
 
 
 def launch(ros: Ros, robot: str, url: str, node: str) -> subprocess.Popen[str]:
+    # a busy machine may keep the node from showing life for a second, and what was commanded is dropped then
     command = (
         "roslaunch",
         f"{robot}_unitylink",
         f"{robot}.launch",
-        f"link:={url}?timeout=2",
+        f"link:={url}?timeout=2&deadman=30",
         f"node:={node}",
     )
     return ros.start(*command)
