@@ -123,6 +123,10 @@ void arm(Link& link, nb::handle timeout_s) {
   done(timeout_s, [&](const RequestOptions& how) { return link.arm(how); });
 }
 
+void trip(Link& link, nb::handle timeout_s) {
+  done(timeout_s, [&](const RequestOptions& how) { return link.trip(how); });
+}
+
 void watch_program(Link& link, double patience_s) {
   done(nb::none(), [&](const RequestOptions&) { return link.watch_program(patience_s); });
 }
@@ -177,6 +181,7 @@ void bind_framed(nb::class_<Link>& link) {
       .def("release_exchange", &Link::release_exchange, "id"_a, nb::call_guard<GilRelease>())
       .def("set_dead_man", &set_dead_man, "silence_s"_a, "timeout_s"_a.none())
       .def("arm", &arm, "timeout_s"_a.none())
+      .def("trip", &trip, "timeout_s"_a.none())
       .def("watch_program", &watch_program, "patience_s"_a)
       .def("alive", &Link::alive)
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())

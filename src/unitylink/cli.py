@@ -44,6 +44,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "read": ("read", "Read items by name, pattern or address."),
     "write": ("write", "Write items: NAME=VALUE."),
     "dashboard": ("dashboard", "Show a robot in the browser: values, charts, set-points, stop."),
+    "tui": ("tui", "Show a robot in the terminal: values, charts, set-points, stop."),
     "watch": ("watch", "Watch items change, live."),
     "plot": ("plot", "Draw items: a picture, or live in the terminal."),
     "record": ("record", "Record items to MCAP or CSV."),

@@ -35,7 +35,8 @@ def commands_with_a_link() -> set[str]:
     return found - {
         "serve",
         "dashboard",
-    }  # they do not end by themselves; test_every_scheme.py starts a server
+        "tui",
+    }  # they do not end by themselves; test_every_scheme.py starts a server, test_tui.py a terminal
 
 
 def converse(

@@ -303,12 +303,15 @@ Outcome Link::trip(const RequestOptions& how) {
   const std::uint64_t tick_ns = 1'000'000'000 / std::max<std::uint64_t>(1, configuration_.base_hz);
   for (std::uint32_t attempt = 0; attempt < options_.attempts; ++attempt) {
     Outcome outcome = write_control(protocol::control::deadman_ticks, 1, how);
-    if (!outcome.ok()) {  // denied: it has tripped already
-      return outcome.status == Status::denied ? Outcome{} : outcome;
+    if (!outcome.ok() && outcome.status != Status::denied) {
+      return outcome;
     }
     {
       const std::scoped_lock lock(mutex_);
-      dead_man_ticks_ = 0;
+      dead_man_ticks_ = 0;  // arming must not start a dead-man of one tick
+      if (!outcome.ok()) {  // denied: it has tripped already
+        return {};
+      }
       framed_->stop_signs_of_life();
       silent_until_ns_ = now_ns() + 2 * tick_ns + silence_margin_ns;
     }

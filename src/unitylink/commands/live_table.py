@@ -61,13 +61,18 @@ class Track:
         if not self.times_s or expected_hz <= 0:
             return None
         age_s = now_s - self.times_s[-1]
-        return age_s if age_s > max(_STALE_S, _STALE_PERIODS / expected_hz) else None
+        return age_s if overdue(age_s, expected_hz) else None
 
     @property
     def rate_hz(self) -> float:
         """The measured rate of the last samples, or 0 if there are fewer than two."""
         span_s = self.times_s[-1] - self.times_s[0] if self.times_s else 0.0
         return (len(self.times_s) - 1) / span_s if span_s > 0 else 0.0
+
+
+def overdue(age_s: float, expected_hz: float) -> bool:
+    """Tell whether a value of this age should have come again. With a rate of 0 it never should."""
+    return expected_hz > 0 and age_s > max(_STALE_S, _STALE_PERIODS / expected_hz)
 
 
 def trend(values: Sequence[float]) -> str:

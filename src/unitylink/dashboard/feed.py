@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
-from unitylink.errors import BusError
+from unitylink.errors import BusError, LinkError
 from unitylink.layer3_hardware import MemoryProxy
 from unitylink.layer4_data import Publisher, ReadValue, Value
 from unitylink.values import format_value
@@ -38,6 +39,7 @@ class Track:
     value: Value[Any]
     history: History = field(default_factory=History)
     round: int = 0
+    raw: int | None = None  # the last sample as it came
     text: str = ""
     rate_hz: float = 0.0  # how often it should come, 0 if on an event
 
@@ -109,10 +111,22 @@ class Feed:
                 raws = np.concatenate([_column(rows, column) for _, rows in parts])
                 track = self._by_path[value.path]
                 track.history.add(times_s, value.codec.decode_array(raws).astype(np.float64))
-                track.round = self.round
+                track.round, track.raw = self.round, int(raws[-1])
                 if as_text(track.value):
-                    track.text = format_value(value.codec.decode(int(raws[-1])))
+                    track.text = format_value(value.codec.decode(track.raw))
         return self.round
+
+    def round_trip_s(self) -> float | None:
+        """Return how long a read takes now, in s, or None if it fails or there is nothing to read."""
+        value = next((track.value for track in self.tracks if track.value.pollable), None)
+        if value is None or not self._link.up:
+            return None
+        begun_s = time.monotonic()
+        try:
+            self._link.read(value.address)
+        except LinkError:
+            return None
+        return time.monotonic() - begun_s
 
     def reports(self) -> list[dict[str, Any]]:
         """Return for each publish what was asked for, what came, and what was lost."""

@@ -114,23 +114,11 @@ class Station:
                         viewer.dismiss("your token has expired")
                 if time.monotonic() - asked_s >= 1.0:
                     asked_s = time.monotonic()
-                    self.round_trip_s = await loop.run_in_executor(self._keeper, self._round_trip)
+                    self.round_trip_s = await loop.run_in_executor(self._keeper, self.feed.round_trip_s)
             except LinkError as error:
                 if str(error) != failed:
                     failed = str(error)
                     self.note("error", failed)
-
-    def _round_trip(self) -> float | None:
-        """Return how long a read takes, in s, or None if it fails or there is nothing to read."""
-        value = next((track.value for track in self.feed.tracks if track.value.pollable), None)
-        if value is None or not self.link.up:
-            return None
-        begun_s = time.monotonic()
-        try:
-            self.link.read(value.address)
-        except LinkError:
-            return None
-        return time.monotonic() - begun_s
 
     def _heard(self, event: LinkEvent) -> None:
         self.note(event.kind, event.text)

@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from unitylink.errors import DeviceMismatch
+from unitylink.protocol import CONTROL_ARM, CONTROL_DEADMAN_TICKS, CONTROL_FRAMES
 
 if TYPE_CHECKING:
     from unitylink._native import NativeLink
+
+    from .native_link import Words
 
 _log = logging.getLogger("unitylink.link")
 
@@ -75,6 +78,16 @@ class Health:
         """The number of counters. Each counter is one register, in the order of the fields."""
         return len(fields(cls))
 
+    @classmethod
+    def read(cls, read_control: Callable[[int, int], Words], reply_max: int) -> Health:
+        """Read them from a device whose replies have up to `reply_max` bytes."""
+        most = max(1, (reply_max - 4) // 4)
+        words: list[int] = []
+        while len(words) < cls.count():
+            count = min(most, cls.count() - len(words))
+            words += read_control(CONTROL_FRAMES + len(words), count).tolist()
+        return cls(*words)
+
 
 @dataclass(frozen=True)
 class DeadMan:
@@ -85,6 +98,12 @@ class DeadMan:
     running: bool
     silence_s: float
     """The silence after which it trips. 0 if it does not run."""
+
+    @classmethod
+    def read(cls, read_control: Callable[[int, int], Words], base_hz: int) -> DeadMan:
+        """Read it from a device. A tick of the dead-man is a period of its base rate."""
+        state, ticks = (int(read_control(address, 1)[0]) for address in (CONTROL_ARM, CONTROL_DEADMAN_TICKS))
+        return cls(tripped=bool(state & 1), running=bool(state & 2), silence_s=ticks / base_hz)
 
 
 @dataclass(frozen=True)

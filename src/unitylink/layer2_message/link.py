@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from unitylink.protocol import CONTROL_ARM, CONTROL_DEADMAN_TICKS, CONTROL_FRAMES
-
 from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
@@ -338,12 +336,7 @@ class Link(Line):
         """Return the device's own counters: what reached it, what it dropped. None on a classic link."""
         if self.protocol != "framed":
             return None
-        most = max(1, (self.description.reply_max - 4) // 4) if self.description else 1
-        words: list[int] = []
-        while len(words) < Health.count():
-            count = min(most, Health.count() - len(words))
-            words += self.read_control(CONTROL_FRAMES + len(words), count).tolist()
-        return Health(*words)
+        return Health.read(self.read_control, self.description.reply_max if self.description else 0)
 
     def set_dead_man(self, silence_s: float, *, timeout_s: float | None = None) -> None:
         """Let the device make its outputs safe after `silence_s` without a sign of life. 0: never.
@@ -357,11 +350,7 @@ class Link(Line):
         """Ask the device for the state of its dead-man. Return None on a classic link, which has none."""
         if self.protocol != "framed":
             return None
-        state, ticks = (
-            int(self.read_control(address)[0]) for address in (CONTROL_ARM, CONTROL_DEADMAN_TICKS)
-        )
-        base_hz = self.configuration.base_hz
-        return DeadMan(tripped=bool(state & 1), running=bool(state & 2), silence_s=ticks / base_hz)
+        return DeadMan.read(self.read_control, self.configuration.base_hz)
 
     def arm(self, *, timeout_s: float | None = None) -> None:
         """Allow writes again after the dead-man has tripped, and start it again.
@@ -370,6 +359,16 @@ class Link(Line):
         session ends and a new one begins. Publishes go on. Raises DeviceMismatch on a classic link.
         """
         self._native.arm(timeout_s)
+
+    def trip(self, *, timeout_s: float | None = None) -> None:
+        """Let the dead-man trip now. The device makes its outputs safe. Nothing is written before `arm()`.
+
+        At a server this holds for all its clients. The link is silent for two ticks of the base rate
+        meanwhile. After `arm()` the dead-man rests until `set_dead_man()`. Raises DeviceMismatch on a classic
+        link, or if the device has no dead-man. Raises AccessRefused if the server lets this client write
+        nothing.
+        """
+        self._native.trip(timeout_s)
 
     @property
     def clock(self) -> Clock | None:

@@ -31,6 +31,7 @@ NEEDED = {
     "matplotlib": ("matplotlib", ["plot", "arm.csv", "--out", "arm.png"]),
     "pygls": ("pygls", ["lsp"]),
     "systemrdl": ("systemrdl-compiler", ["import", "arm.rdl"]),
+    "textual": ("textual", ["tui", "sim:arm.ul"]),
     "cyclonedds": ("cyclonedds", ["bridge", "ros2", "sim:arm.ul"]),
 }
 

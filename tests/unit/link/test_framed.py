@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from reference.line import Line
 
-from unitylink.errors import BusError, DeviceMismatch, OutcomeUnknown, ProtocolError
+from unitylink.errors import BusError, DeadManTripped, DeviceMismatch, OutcomeUnknown, ProtocolError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration
+from unitylink.spec import compile_text
 
 
 def test_a_batch_is_one_message_each_way() -> None:
@@ -70,6 +71,36 @@ def test_a_dead_man_trips_only_where_the_host_is_silent() -> None:
             link.read_control(0x1000)
         link.write(0x10, 1)
         link.arm()
+
+
+def test_a_dead_man_trips_at_once_when_it_is_told_to() -> None:
+    spec = compile_text("public arm() { @goal = 0x10: u16 WRITE(SAFE=3); }", "arm.ul").spec
+    assert spec is not None
+    with (
+        Board(spec, configuration=BoardConfiguration.for_spec(spec)) as board,
+        Link(f"{board.url}?timeout=2&deadman=20") as link,
+    ):
+        for _ in range(2):
+            link.write(0x10, 7)
+            link.trip()
+            assert board.registers[0x10] == 3
+            with pytest.raises(DeadManTripped):
+                link.write(0x10, 8)
+            link.trip()  # it has tripped already
+            link.arm()
+            state = link.dead_man()
+            assert state is not None and not state.tripped and not state.running
+        link.write(0x10, 9)
+        assert board.registers[0x10] == 9
+
+
+def test_a_classic_link_has_no_dead_man_to_trip() -> None:
+    with (
+        Board() as board,
+        Link(f"{board.url}?protocol=classic") as link,
+        pytest.raises(DeviceMismatch, match="framed"),
+    ):
+        link.trip()
 
 
 @pytest.mark.parametrize("seed", range(6))
