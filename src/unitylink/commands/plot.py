@@ -19,7 +19,7 @@ from unitylink.errors import LinkError
 from unitylink.optional import absent
 from unitylink.output_file import check_output, write_output
 from unitylink.program import ended_by_signals
-from unitylink.values import Quantity
+from unitylink.values import Quantity, plain
 
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
@@ -27,7 +27,6 @@ from .names import matches
 from .output import colours, force_option, terminal
 from .sampling_options import duration_option, rate_option, sampled_items
 from .series import AllSeries, parts_of
-from .value_text import plain
 
 if TYPE_CHECKING:
     from unitylink.recording import Origin

@@ -7,11 +7,13 @@ from typing import Any
 
 import click
 
+from unitylink.values import plain
+
 from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import json_option, print_json, print_table
-from .value_text import plain, shown
+from .value_text import shown
 
 
 @click.command()

@@ -20,8 +20,6 @@ from .link_option import link_argument, open_target, spec_option
 from .output import force_option, json_option, print_json
 from .sampling_options import count_option, duration_option, rate_option, sampled_items
 from .series import parts_of
-from .topics import topics_of
-from .value_text import plain
 
 if TYPE_CHECKING:
     from unitylink.recording import Origin, Writer
@@ -81,6 +79,9 @@ def command(
         known = target.names
         items = sampled_items(target, names, "record", set_points=True)
 
+        from unitylink.layer4_data.topics import topics_of
+        from unitylink.values import plain
+
         from .sampler import Sampler
 
         robot = known.spec.name if known.spec else "recording"
@@ -91,6 +92,7 @@ def command(
         sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
         # Other types are written as their numbers.
         texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
+        publishes = {item.name: item.element.publish for item in items if item.element is not None}
         topics: dict[tuple[str, ...], str] = {}  # filled in when the sets of samples are known
         names_of = tuple(i.name for i in items)
         with create(path, _origin(known, items), names_of, topics=topics, force=force) as writer:
@@ -106,7 +108,7 @@ def command(
             progress = _Progress(writer, path, quiet=as_json)
             try:
                 with sampler, suppress(KeyboardInterrupt):
-                    topics |= topics_of(robot, items, sampler.publisher.reports())
+                    topics |= topics_of(robot, publishes, sampler.publisher.reports())
                     for sample in sampler.samples(count, duration_s):
                         if sample is not None:
                             take(sample)

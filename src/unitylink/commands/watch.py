@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from unitylink.program import ended_by_signals
+from unitylink.values import plain
 
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import terminal
 from .sampling_options import count_option, duration_option, rate_option, sampled_items
-from .value_text import plain, shown
+from .value_text import shown
 
 if TYPE_CHECKING:
     from .sampler import Sample, Sampler

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from unitylink.values import plain
+
 from .failure import Failure
 from .link_option import Target, link_argument, open_target, spec_option
 from .names import Item, Names
 from .output import json_option, print_json
-from .value_text import parse_value, plain, shown
+from .value_text import parse_value, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
-from unitylink.errors import BusError, LinkError
-from unitylink.layer3_hardware import MemoryProxy
-from unitylink.layer4_data import Publisher, ReadValue, Value
+from unitylink.errors import LinkError
+from unitylink.layer4_data import Publisher, Value
+from unitylink.layer4_data.everything import publish_all
 from unitylink.values import format_value
 
 from .description import as_text
@@ -60,21 +60,8 @@ class Feed:
         self._arrived: dict[tuple[PublishedValue, ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
         self._publisher = Publisher(gather_s=GATHER_S)
         self._by_path = {track.value.path: track for track in self.tracks}
-        for track in self.tracks:
-            self._ask_for(track.value, read_hz)
+        publish_all(self._publisher, link, (track.value for track in self.tracks), read_hz)
         self._publisher.take_with(self._take, self._take_arrays)
-
-    def _ask_for(self, value: Value[Any], read_hz: float) -> None:
-        if isinstance(value, ReadValue):
-            if value.publish is not None:
-                self._publisher.add(value)
-            elif value.pollable and value.hardware.repeatable_reads:
-                self._publisher.demand(value, read_hz)
-        elif value.writable and value.hardware.repeatable_reads and _reads(self._link, value):
-            seen: ReadValue[Any] = ReadValue(
-                value.path, MemoryProxy(self._link), value.address, quantity=value.quantity
-            )
-            self._publisher.demand(seen, read_hz)
 
     def __enter__(self) -> Feed:
         self._publisher.start(fallback=True)
@@ -140,15 +127,6 @@ class Feed:
             }
             for report in self._publisher.reports()
         ]
-
-
-def _reads(link: Link, value: Value[Any]) -> bool:
-    """Tell whether the device lets a set-point be read."""
-    try:
-        link.read(value.address)
-    except BusError:
-        return False
-    return True
 
 
 def _column(rows: Rows, column: int) -> NDArray[np.uint64]:

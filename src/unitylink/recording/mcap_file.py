@@ -8,21 +8,18 @@ described at https://mcap.dev/spec. The library of the format writes and reads i
 from __future__ import annotations
 
 import json
-import math
 import os
-import re
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from unitylink.errors import UnityLinkError
 from unitylink.optional import absent
 from unitylink.output_file import create_output
 
+from .json_messages import JsonMessage, schema_of, steps
 from .recording import Origin, Sample
 
 if TYPE_CHECKING:
@@ -32,9 +29,6 @@ _CHUNK_BYTES = 1 << 16
 ORIGIN = "unitylink"  # the metadata record with the spec
 NAMES = "names"  # a channel's metadata: the paths, in order
 _NAMED = 3  # the most names that are joined in a topic's name
-_NUMBERS = frozenset((int, float))
-_encode = json.JSONEncoder(separators=(",", ":")).encode
-_STEP = re.compile(r"[^.\[\]]+")
 
 
 def need_library() -> None:
@@ -88,8 +82,7 @@ class McapWriter:
         self.path = path
         self.count = 0
         self._file = _Counting(path, force=force)
-        # by paths: the channel's id, and the message with a %s for each value
-        self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
+        self._channels: dict[tuple[str, ...], tuple[int, JsonMessage]] = {}  # by paths; with the channel's id
         self._topics = {} if topics is None else topics  # the caller adds to them later, so this is no copy
         self._units = origin.units
         self._taken: set[str] = set()  # topics
@@ -116,15 +109,12 @@ class McapWriter:
         with _errors(self):
             known = self._channels.get(names)
             if known is None:
-                known = self._channels[names] = (self._register(names, sample), _template(names))
-            channel, (template, in_order) = known
-            values: tuple[Any, ...] = tuple(sample.values.values())
-            if not _NUMBERS.issuperset(map(type, values)) or not all(map(math.isfinite, values)):
-                values = tuple(map(_json, values))  # other numbers need no change for JSON
-            message = template % in_order(values)
+                known = self._channels[names] = (self._register(names, sample), JsonMessage(names))
+            channel, message = known
+            text = message.text(tuple(sample.values.values()))
             time_ns = round(sample.time_s * 1e9)
             before = self._file.size_bytes
-            self._writer.add_message(channel, time_ns, message.encode(), time_ns, self.count & 0xFFFFFFFF)
+            self._writer.add_message(channel, time_ns, text.encode(), time_ns, self.count & 0xFFFFFFFF)
             self.count += 1
             if self._file.size_bytes != before:
                 self._whole = (self.count, self._file.size_bytes)
@@ -144,7 +134,7 @@ class McapWriter:
             topic = f"{topic.removesuffix(f'_{count - 1}')}_{count}"
         self._taken.add(topic)
         title = "unitylink" + topic.replace("/", ".")
-        schema = {"title": title, **_schema(sample.values, self._units)}
+        schema = {"title": title, **schema_of(sample.values, self._units)}
         schema_id = self._writer.register_schema(
             title, "jsonschema", json.dumps(schema, separators=(",", ":"), ensure_ascii=False).encode()
         )
@@ -174,14 +164,6 @@ class McapWriter:
                 raise
 
 
-@dataclass(frozen=True)
-class _Described:
-    """A value and its unit, for a schema."""
-
-    value: Any
-    unit: str
-
-
 class _errors:
     """Turn an error of the disk into one that names the file. Cut the file after its last whole chunk."""
 
@@ -207,58 +189,7 @@ def _topic(names: tuple[str, ...]) -> str:
     """Return a topic for its contents: `/j1` for j1.cpos and j1.spd, `/x_y` for x.a and y.a."""
     first = list(dict.fromkeys(name.partition(".")[0] for name in names))
     if len(first) == 1:
-        return "/" + "/".join(_STEP.findall(first[0]))
-    shown = ["".join(_STEP.findall(name)) for name in first]
+        return "/" + "/".join(steps(first[0]))
+    shown = ["".join(steps(name)) for name in first]
     more = len(shown) - _NAMED
     return "/" + "_".join(shown if more <= 1 else [*shown[:_NAMED], "and", str(more), "more"])
-
-
-def _nested(values: dict[str, Any]) -> dict[str, Any]:
-    """Return `{"j1": {"cpos": 3}}` for `{"j1.cpos": 3}`."""
-    tree: dict[str, Any] = {}
-    for name, value in values.items():
-        *steps, last = _STEP.findall(name)
-        branch = tree
-        for step in steps:
-            branch = branch.setdefault(step, {})
-        branch[last] = value
-    return tree
-
-
-def _template(names: tuple[str, ...]) -> tuple[str, itemgetter[Any]]:
-    """Return the JSON of a message with `%s` for each value, and a function that orders the values.
-
-    So later only the values must be filled in. Paths consist of names and numbers, so they contain no %.
-    """
-    order: list[int] = []
-
-    def text(node: Any) -> str:
-        if isinstance(node, dict):
-            return "{" + ",".join(f'"{key}":{text(inner)}' for key, inner in node.items()) + "}"
-        order.append(node)
-        return "%s"
-
-    template = text(_nested({name: place for place, name in enumerate(names)}))
-    return template, itemgetter(*order)
-
-
-def _json(value: Any) -> str:
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else "null"
-    return _encode(value)
-
-
-def _schema(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
-    def kind(value: Any) -> dict[str, Any]:
-        if isinstance(value, _Described):
-            return {**kind(value.value), "description": f"in {value.unit}"}
-        if isinstance(value, dict):
-            return {"type": "object", "properties": {key: kind(inner) for key, inner in value.items()}}
-        if isinstance(value, bool):
-            return {"type": "boolean"}
-        return {"type": "string" if isinstance(value, str) else "number"}
-
-    described = {
-        path: _Described(value, units[path]) if units.get(path) else value for path, value in values.items()
-    }
-    return kind(_nested(described))

@@ -6,6 +6,7 @@ from __future__ import annotations
 from .classes import Enumeration, enum_class, field_names, member_names, record_class
 from .codec import Codec, member_text
 from .names import python_names
+from .plain import plain
 from .quantity import Quantity, format_value
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "format_value",
     "member_names",
     "member_text",
+    "plain",
     "python_names",
     "record_class",
 ]

@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 
 from unitylink.cli import main
 from unitylink.commands.names import Item, Names
-from unitylink.commands.value_text import parse_value, plain, shown
+from unitylink.commands.value_text import parse_value, shown
 from unitylink.simulate import Board, LoopbackPlant
 from unitylink.spec import load
-from unitylink.values import Codec
+from unitylink.values import Codec, plain
 
 SPEC_FILE = Path(__file__).parents[1] / "generate" / "typed.ul"
 SPEC = load(SPEC_FILE)

@@ -1,32 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The topics of a recording. Each has the values that are sampled together, at one rate or event."""
+"""Names for publishes. Each has the values that are sampled together, at one rate or event."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 from unitylink.spec.model import Publish
 
-if TYPE_CHECKING:
-    from unitylink.layer4_data.publication import PublishReport
-
-    from .names import Item
+from .publication import PublishReport
 
 _OTHER = re.compile(r"[^A-Za-z0-9_/]+")
 
 
 def topics_of(
-    robot: str, items: Iterable[Item], reports: Iterable[PublishReport]
-) -> Mapping[tuple[str, ...], str]:
+    robot: str, publishes: Mapping[str, Publish | None], reports: Iterable[PublishReport]
+) -> dict[tuple[str, ...], str]:
     """Return a topic for each publish by its paths: `/arm/100_hz`, `/arm/on_change`, `/arm/read_10_hz`.
 
-    Several may have the same rate because the gateware's groups are full. Then the writer numbers them.
+    `publishes` says by path what the spec says. Several may have the same name, because the gateware's groups
+    are full. Who uses the names then numbers them.
     """
-    published = {item.name: item.element.publish for item in items if item.element is not None}
     return {
-        report.paths: _OTHER.sub("_", f"/{robot}/{_when(published.get(report.paths[0]), report)}")
+        report.paths: _OTHER.sub("_", f"/{robot}/{_when(publishes.get(report.paths[0]), report)}")
         for report in reports
     }
 
