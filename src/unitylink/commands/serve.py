@@ -19,6 +19,7 @@ from .failure import Failure
 from .output import json_option, print_json
 from .root_option import part_of, root_option
 from .serving import place_of
+from .stream_options import StreamOptions, stream_options
 
 if TYPE_CHECKING:
     from unitylink.server.serving import Server
@@ -46,6 +47,7 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.option(
     "--page", metavar="[HOST:]PORT", help="Also serve the board's page for browsers (unitylink dashboard)."
 )
+@stream_options
 @click.option(
     "--metrics", "metrics_file", metavar="FILE", help="Write the counters there every 5 s, for Prometheus."
 )
@@ -63,6 +65,8 @@ def command(
     token_file: str | None,
     audit_file: str | None,
     page: str | None,
+    plotjuggler: str | None,
+    may: tuple[tuple[str, str], ...],
     metrics_file: str | None,
     check_config: bool,
     root: str | None,
@@ -79,7 +83,7 @@ def command(
     If a board is away, the server waits for it. Programs are told so.
 
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
-    page is for one board, which must be there at the start.
+    page is for one board, which must be there at the start. --plotjuggler is for one board, too.
 
     \b
     Examples:
@@ -112,17 +116,21 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
-    page_token = new_token()  # with which the page reads the board, as one more program
-    if page is not None:
-        tokens = tokens.with_user(page_token, User("page", Rights.of(["read"])))
+    streams = StreamOptions(plotjuggler, may)
+    streams.check()
+    known = len(tokens)
+    own = {"page": page is not None, "streams": streams.any}  # they read the board as programs do
+    own_tokens = {name: new_token() for name, wanted in own.items() if wanted}
+    for name, token in own_tokens.items():
+        tokens = tokens.with_user(token, User(name, Rights.of(["read"])))
     named = _named(links, spec)
     place = read_place(page) if page is not None else None
     if place is not None and place.exposed and not anyone:
         raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
-    if place is not None and len(named) > 1:
-        raise click.UsageError("--page is for one board; start a server for each")
+    if own_tokens and len(named) > 1:
+        raise click.UsageError("--page and streams are for one board; start a server for each")
     if check_config:
-        return _report_check(named, host, port, len(tokens) - (page is not None))
+        return _report_check(named, host, port, known)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
     audit = Audit(lambda line: print(line, file=out, flush=True))
     with stopped_by_signals() as stop, ExitStack() as pages:
@@ -130,8 +138,10 @@ def command(
         with Server(robots, tokens, audit, host, port) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)
-            url = _serve_page(pages, server, page_token, spec, place) if place is not None else None
-            _announce(server, spec, spec_file, fresh, as_json, page=url)
+            urls = {name: _url_for(pages, server, token) for name, token in own_tokens.items()}
+            url = _serve_page(pages, server, urls["page"], spec, place) if place is not None else None
+            lines = pages.enter_context(streams.opened(robots[0], urls["streams"])) if streams.any else []
+            _announce(server, spec, spec_file, fresh, as_json, page=url, streams=lines)
             while not stop.wait(_METRICS_S if metrics_file else None):
                 assert metrics_file is not None
                 write_metrics(metrics_file, server.report())
@@ -179,23 +189,35 @@ def _tokens(path: str | None) -> tuple[Tokens, str]:
     return Tokens([(digest(token), User("owner", Rights.of(["admin"])))]), token
 
 
-def _serve_page(pages: ExitStack, server: Server, token: str, spec: Spec, place: Place) -> str:
-    """Serve the page of a board until `pages` is closed. Return its URL."""
+def _url_for(opened: ExitStack, server: Server, token: str) -> str:
+    """Return the URL by which the page or the streams read the only board, until `opened` is closed."""
+    (robot,) = server.robots.values()
+    file = opened.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))  # noqa: SIM115
+    file.write(token)
+    file.flush()
+    return f"serve://{server.place}/{robot.name}?token_file={file.name}"
+
+
+def _serve_page(pages: ExitStack, server: Server, url: str, spec: Spec, place: Place) -> str:
+    """Serve the page of the only board, read by `url`, until `pages` is closed. Return its own URL."""
     from unitylink.connection import connect
     from unitylink.dashboard.opening import page_of
 
     (robot,) = server.robots.values()
     link, gate, lock = robot.share()
-    file = pages.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))  # noqa: SIM115
-    file.write(token)
-    file.flush()
-    url = f"serve://{server.place}/{robot.name}?token_file={file.name}"
     reader = pages.enter_context(connect(url, reconnect=True))
     return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place)).url
 
 
 def _announce(
-    server: Server, spec: Spec, spec_file: str, token: str, as_json: bool, *, page: str | None
+    server: Server,
+    spec: Spec,
+    spec_file: str,
+    token: str,
+    as_json: bool,
+    *,
+    page: str | None,
+    streams: list[str],
 ) -> None:
     """Print where the boards are, the token, and a command to try."""
     urls = {name: f"serve://{server.place}/{name}" for name in server.robots}
@@ -205,6 +227,8 @@ def _announce(
         for name, robot in server.robots.items():
             away = f" (it is away: {robot.away})" if robot.away else ""
             click.echo(f"serving {robot.url} at {urls[name]}{away}")
+        for line in streams:
+            click.echo(line)
         if page:
             click.echo(f"its page:  {page}/" + (f"#token={token}" if token else ""))
         if token:
