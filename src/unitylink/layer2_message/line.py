@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING
 
+from unitylink.html_table import html_table
+
 from .events import EventCallback, EventListener, LinkEvent, events_of
 
 if TYPE_CHECKING:
@@ -17,8 +19,16 @@ if TYPE_CHECKING:
 class Line:
     """The part of a `Link` that is about its line. With `reconnect=1` a lost line is opened again."""
 
+    url: str
+    protocol: str
     _native: NativeLink
     _callbacks: CallbackThread
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the state of the line, and counters. Nothing is sent."""
+        state = "closed" if self._native.closed else self.trouble or "up"
+        facts = {"state": state, "protocol": self.protocol, **self._native.statistics()}
+        return html_table(f"link {self.url}", ("", ""), [(name, str(fact)) for name, fact in facts.items()])
 
     @property
     def up(self) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from unitylink.errors import AssignmentError, shown
 
+from .html import values_html
 from .value import Value
 
 _METHODS = {"WRITE": "write", "READWRITE": "write", "PULSE": "pulse", "W1C": "clear"}
@@ -43,6 +44,11 @@ class Array(tuple[Any, ...]):
         array = super().__new__(cls, parts)
         array.path = path
         return array
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the values of all members."""
+        members = ((part,) if isinstance(part, Value) else part for part in self)
+        return values_html(self.path, (value for part in members for value in part))
 
     def __setitem__(self, index: int, value: object) -> None:
         """Refuse the assignment, because a write was probably meant."""

@@ -24,6 +24,7 @@ from unitylink.errors import (
 from .assignment import refuse
 from .at_once import at_once
 from .cycle import Cycle
+from .html import values_html
 from .listeners import Listeners
 from .portions import portions
 from .publication import join
@@ -105,6 +106,10 @@ class ValueGroup:
                 f"{self.path}.write(...)"
             )
         object.__setattr__(self, name, value)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return values_html(self.path, self.values.values())
 
     def __repr__(self) -> str:
         return f"<group {self.path} of {', '.join(self.values)}>"

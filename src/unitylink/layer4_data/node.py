@@ -15,6 +15,7 @@ from .binding import Tree
 from .cycle import Cycle
 from .dead_man import DeadMen
 from .group import ValueGroup
+from .html import values_html
 from .read_value import ReadClearValue, ReadValue
 from .recording import Recording
 from .snapshot import Snapshot
@@ -166,6 +167,15 @@ class Node:
                 raise UnknownName(f"no {path!r} in {self.path or self.name}{hint}")
             here = here._members[step]
         return here
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: all values below."""
+        return values_html(self.display, self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what a notebook offers after `robot["`."""
+        start = len(self.path) + 1 if self.path else 0
+        return [value.path[start:] for value in self]
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.path or self.name}: {', '.join(self._members)}>"

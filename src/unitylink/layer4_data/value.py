@@ -12,6 +12,7 @@ from unitylink.spec.model import Publish
 from unitylink.spec.types import INT32
 from unitylink.values import Codec, Quantity
 
+from .html import values_html
 from .listeners import Listeners
 from .published import PublishedGroup
 from .publishing import Publisher
@@ -126,6 +127,10 @@ class Value(Generic[T]):
         value: T = self.codec.decode(raw)
         self.raw, self.latest = raw, value
         return value
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return values_html(self.display, [self])
 
     def __repr__(self) -> str:
         shown = None if self.latest is None else self.quantity.text(self.latest)
