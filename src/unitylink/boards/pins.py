@@ -28,6 +28,7 @@ _WORDS = {
     **dict.fromkeys(("encoder", "quadrature"), "encoder"),
     **dict.fromkeys(("gpio", "pin", "switch", "io"), "io"),
 }
+_OUTPUTS = ("leds", "pwm")  # roles of pins for outputs
 _WISH = re.compile(r"(\w+)(?:\[(\d+)\])?=(.*)", re.DOTALL)
 
 
@@ -83,9 +84,13 @@ def lines_of(ports: Sequence[Port]) -> tuple[Line, ...]:
     return tuple(lines)
 
 
-def role_of(name: str, component: str = "") -> str | None:
+def role_of(name: str, component: str = "", direction: str = "out") -> str | None:
     """Return the role of a port's pins, by its component or by a word of its name.
 
+    An input does not get the pins of a LED or of a motor, whatever it is called.
+
+    >>> role_of("motor_fault", "h_bridge", "in")
+    'io'
     >>> role_of("left_motors"), role_of("drive_pins", "pwm"), role_of("limit_switch"), role_of("trips")
     ('pwm', 'pwm', 'io', None)
     >>> role_of("tripped")
@@ -96,7 +101,8 @@ def role_of(name: str, component: str = "") -> str | None:
     for word in [*component.lower().split("_"), *name.lower().split("_")]:
         for known in (word, word.removesuffix("s")):
             if known in _WORDS:
-                return _WORDS[known]
+                role = _WORDS[known]
+                return "io" if direction == "in" and role in _OUTPUTS else role
     return None
 
 
@@ -134,7 +140,7 @@ def assign_pins(
     for line in lines:
         if {(line.name, number) for number in range(line.bits)} <= done:
             continue
-        role = role_of(line.name, (components or {}).get(line.name, ""))
+        role = role_of(line.name, (components or {}).get(line.name, ""), line.direction)
         free = [pin for pin in (board.roles[role] if role else ()) if board.pins[pin].site not in taken]
         if not free:
             raise BoardError(_no_pin(board, line, role, taken))

@@ -46,6 +46,13 @@ def test_the_board_s_pin_for_trips() -> None:
     ]
 
 
+def test_an_input_gets_no_pin_for_outputs() -> None:
+    lines = (Line("motor_fault", "in", 1), Line("motor_high", "out", 1))
+    given = assign_pins(BOARD, lines, [], {"motor_fault": "h_bridge", "motor_high": "h_bridge"})
+    assert pins(given)["motor_fault"] in BOARD.roles["io"]
+    assert pins(given)["motor_high"] in BOARD.roles["pwm"]
+
+
 def test_what_has_no_pin_is_said() -> None:
     wide = (Line("leds", "out", 8), Line("buttons", "in", 6), Line("x", "in", 1))
     assert assign_pins(BOARD, wide, ["x=-", "leds[2]=-"]).notices == [

@@ -12,11 +12,12 @@ SPI = '@sequence("spi", period=100 us)'
 READ = '@cycle("read", 0x9D)'
 
 
-def compiled(notes: str) -> Result:
+def compiled(notes: str, entity: str = "") -> Result:
     lines = notes.replace(") @", ")\n@")
+    bus = "i2c" if notes.startswith('@sequence("i2c"') else "spi"
     return compile_text(f"""
 public a() {{ one: gauge(); }}
-@component("spi_device")
+@component("{entity or bus + "_device"}")
 {lines}
 gauge(): @base[6] {{ @v = base+5: READ(); }}
 """)
@@ -108,6 +109,12 @@ def test_a_mistake_names_the_step(notes: str, message: str) -> None:
     diagnostics = compiled(notes).diagnostics
     assert message in diagnostics[0].message
     assert diagnostics[0].hint
+
+
+def test_a_program_for_the_other_bus_is_refused() -> None:
+    (diagnostic,) = compiled(f"{SPI} {READ}", "i2c_device").diagnostics
+    assert "this is a program for spi, and the component is `i2c_device`" in diagnostic.message
+    assert '@component("spi_device")' in (diagnostic.hint or "")
 
 
 @pytest.mark.parametrize("name", device_files())

@@ -350,6 +350,25 @@ def test_the_arrival_of_a_word_is_an_event() -> None:
     assert (diagnostic.code, diagnostic.message) == ("UL102", "nothing has the event `q.arrival`")
 
 
+def test_an_event_of_one_of_an_array_is_named_by_its_index() -> None:
+    text = """
+    link l(ADDRESS=8);
+    public a() { pad[2]: gpio(pins=4); rest: levels(1); @each[2] = 0x80+i: READ(PUBLISH(on pad[i].changed)); }
+    levels(n: int): @base[12] { @of = base: READ(PUBLISH(on pads[n].changed)); pads[2]: gpio(pins=1); }
+    """
+    spec = clean(text)
+    assert [element.publish.event for element in spec.root().elements if element.publish is not None] == [
+        "pad[0].changed",
+        "pad[1].changed",
+    ]
+    wrong = text.replace("pad[i].changed", "pad[2].changed")
+    assert [one.message for one in compile_text(wrong).diagnostics] == [
+        "nothing has the event `pad[2].changed`"
+    ]
+    wrong = text.replace("pad[i].changed", "pad[j].changed")
+    assert [one.code for one in compile_text(wrong).diagnostics] == ["UL025"]
+
+
 # --- notes --------------------------------------------------------------------------------------------------
 
 

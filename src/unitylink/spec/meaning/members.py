@@ -129,7 +129,7 @@ class _Checker:
             if one.key == "ID" and one.argument is not None:
                 good = self._text(scope, one.argument, "ID", array=array) and good
             elif one.publish is not None:
-                given += one.publish.rates
+                given += one.publish.arguments
             elif one.key in ("INITIAL", "SAFE") and one.name and self._is_value(member, one.name):
                 continue
             elif one.key == "UNIT" and one.argument is not None:

@@ -147,7 +147,7 @@ def component(
         else:
             _wrong(node, evaluator)
     if steps:
-        generics += generics_of(steps, evaluator, names)
+        generics += generics_of(steps, evaluator, names, entity)
     if not entity:
         return None
     check_ranges(entity, sources, given, evaluator)

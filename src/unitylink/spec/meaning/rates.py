@@ -9,9 +9,10 @@ from fractions import Fraction
 from unitylink.protocol import RATE_BYTES_MAX
 
 from ..model import READS, Link, Publish
-from ..text.syntax import ElementNode, Property, PublishNode
+from ..text.syntax import ElementNode, Property, PublishNode, Step
 from ..units import UNITS
 from .evaluate import Evaluator, Quantity, Value
+from .scope import ADDRESS_MAX
 
 _DIVISOR_MAX = (1 << 8 * RATE_BYTES_MAX) - 1
 
@@ -32,7 +33,9 @@ def read_publish(
         return None
     group = publish.group.text if publish.group else ""
     if publish.event:
-        event = ".".join(name.text for name in publish.event)
+        event = _event(publish.event, evaluator, names)
+        if event is None:
+            return None
         if event == "change":
             return Publish(1, 0, None, "change", "", group)
         return Publish(1, 0, None, "event", event, group)
@@ -40,6 +43,20 @@ def read_publish(
         divisor = _divisor_of_rate(publish, evaluator, names, link)
         return None if divisor is None else Publish(1, divisor, link.base_hz / divisor, group=group)
     return _by_divisor(publish, evaluator, names, link, group)
+
+
+def _event(steps: list[Step], evaluator: Evaluator, names: Mapping[str, Value]) -> str | None:
+    """Return the path of an event. Return None after a diagnostic."""
+    parts = []
+    for step in steps:
+        part = step.name.text
+        if step.index is not None:
+            number = evaluator.integer(step.index, names, "the index", 0, ADDRESS_MAX)
+            if number is None:
+                return None
+            part += f"[{number}]"
+        parts.append(part)
+    return ".".join(parts)
 
 
 def _by_divisor(

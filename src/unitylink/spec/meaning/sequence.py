@@ -85,19 +85,20 @@ class Program:
 
 
 def generics_of(
-    nodes: list[AnnotationNode], evaluator: Evaluator, names: Mapping[str, Value]
+    nodes: list[AnnotationNode], evaluator: Evaluator, names: Mapping[str, Value], entity: str
 ) -> list[tuple[str, int | str]]:
-    """Return the generics `program` and `values` for the steps of a constructor.
+    """Return the generics `program` and `values` for the steps of a constructor of `entity`.
 
     Return [] after a diagnostic.
     """
-    return _Assembler(evaluator, names).generics(nodes)
+    return _Assembler(evaluator, names, entity).generics(nodes)
 
 
 class _Assembler:
-    def __init__(self, evaluator: Evaluator, names: Mapping[str, Value]) -> None:
+    def __init__(self, evaluator: Evaluator, names: Mapping[str, Value], entity: str) -> None:
         self.evaluator = evaluator
         self.names = names
+        self.entity = entity
         self.good = True
 
     def generics(self, nodes: list[AnnotationNode]) -> list[tuple[str, int | str]]:
@@ -137,6 +138,11 @@ class _Assembler:
         if name not in _BUSES or "period" not in options or ("address" in options) != (name == "i2c"):
             shown = '`@sequence("spi", period=1 ms)` or `@sequence("i2c", address=0x68, period=1 ms)`'
             self._report(node, "this is no `@sequence` of a program", shown)
+            return None, 0
+        others = [f"{one}_device" for one in _BUSES if one != name]
+        if self.entity in others:  # their words look alike, and would be run as something else
+            message = f"this is a program for {name}, and the component is `{self.entity}`"
+            self._report(node, message, f'`@component("{name}_device")`, or a `@sequence` for the other bus')
             return None, 0
         program = Program(str(name))
         if name == "i2c":

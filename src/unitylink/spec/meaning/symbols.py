@@ -268,7 +268,7 @@ class Symbols:
             elif one.key != "OVERFLOW":
                 self._refer_names([one.argument], scope)
             if one.publish is not None:
-                self._refer_names(one.publish.rates, scope)
+                self._refer_names(one.publish.arguments, scope)
 
     def _refer_type(self, kind: TypeNode, scope: Scope | None) -> None:
         self._note(self.types, kind.name)

@@ -112,9 +112,8 @@ class PropertyReader(ExpressionReader):
         node = PublishNode([], [], None)
         if self.kinds[self.i] == "name" and self.texts[self.i] == "on" and self.kinds[self.i + 1] == "name":
             self.i += 1
-            node.event.append(self.name("change, or the name of an event"))
-            while self.accept("."):
-                node.event.append(self.name("the name of an event"))
+            self.operations = 0
+            node.event = self._element_path(self.name("change, or the name of an event")).steps
         else:
             first = self.argument("the mode: 1 hardware, 2 software; or a rate such as 100 Hz")
             node.rates.append(first)

@@ -100,8 +100,13 @@ class PublishNode:
     """`PUBLISH(mode, divisor)`, `PUBLISH(100 Hz)` or `PUBLISH(on name)`. Each may also have `GROUP=name`."""
 
     rates: list[Argument]  # mode and divisor, or a frequency
-    event: list[Name]  # `on change` and `on a.b`
+    event: list[Step]  # `on change`, `on a.b` and `on a[1].b`
     group: Name | None
+
+    @property
+    def arguments(self) -> list[Argument]:
+        """All expressions: the rates, and the indexes of an event."""
+        return [*self.rates, *(step.index for step in self.event if step.index is not None)]
 
 
 @dataclass(slots=True)
