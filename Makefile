@@ -171,6 +171,7 @@ docs: $(VENV)/.built
 	$(BIN)/python -m pytest tests/unit/docs -q
 	@tools/setup.sh group docs
 	$(BIN)/python tools/docs/pictures.py
+	$(BIN)/python tools/docs/terminal.py
 	$(BIN)/python tools/docs/gallery.py
 	$(BIN)/python tools/docs/robots.py
 	$(BIN)/python tools/docs/goodput.py

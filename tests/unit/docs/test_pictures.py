@@ -8,12 +8,15 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[3]
 IMAGES = ROOT / "docs" / "images"
 
 
-def test_the_pictures_are_those_of_the_script() -> None:
-    check = [sys.executable, ROOT / "tools" / "docs" / "pictures.py", "--check"]
+@pytest.mark.parametrize("script", ["pictures.py", "terminal.py"])
+def test_the_pictures_are_those_of_the_script(script: str) -> None:
+    check = [sys.executable, ROOT / "tools" / "docs" / script, "--check"]
     done = subprocess.run(check, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, f"`make docs` draws them: {done.stdout}{done.stderr}"
 

@@ -88,7 +88,7 @@ class Screen(App[None]):
         self._tracks = {track.value.path: track for track in feed.tracks}
         self._charts: list[str] = []
         self._window = 2
-        self._health = Health()
+        self.health = Health()
         self._asked_s = 0.0
 
     def get_driver_class(self) -> type[Driver]:
@@ -135,10 +135,10 @@ class Screen(App[None]):
             charts.update(charts_text(self._feed, self._charts, now_s, window_s, width))
         newest = list(self._controls.notes)[-LOG_LINES:]
         self._show("log", "\n".join(_note(*one)[:width] for one in newest))
-        self._show("health", self._health.text(self._link, self._feed)[:width])
+        self._show("health", self.health.text(self._link, self._feed)[:width])
 
     def _measure(self) -> None:
-        self._health.measure(self._feed, self._link.now_s())
+        self.health.measure(self._feed, self._link.now_s())
 
     def _static(self, name: str) -> Static:
         return self.screen_stack[0].query_one(f"#{name}", Static)

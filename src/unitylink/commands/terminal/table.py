@@ -58,7 +58,8 @@ class Table:
         units = max([4, *(len(row.element.unit) for row in self.rows if isinstance(row, ItemRow))])
         names = 2 + max(len(name_of(row)) for row in self.rows)
         columns = _Columns(max(12, min(names, width - units - 40)), units, width)
-        text = Text(columns.line("  name", Cells("value", "unit", "age", "remark")), style="bold")
+        text = Text(no_wrap=True)
+        text.append(columns.line("  name", Cells("value", "unit", "age", "remark")), style="bold")
         for number, row in list(enumerate(shown))[self._top : self._top + height]:
             here = number == self.cursor
             name = f"{'> ' if here else '  '}{name_of(row, row.path in self.closed)}"
