@@ -56,7 +56,10 @@ class Arm:
 def arm() -> Iterator[Arm]:
     spec = compiled()
     configuration = BoardConfiguration.for_spec(spec)
-    with Board(spec, configuration=configuration, plant=Still()) as board, connect(board.url) as link:
+    with (
+        Board(spec, configuration=configuration, plant=Still()) as board,
+        connect(f"{board.url}?timeout=2") as link,
+    ):
         yield Arm(board, link, load_spec_objects(spec, link))
 
 

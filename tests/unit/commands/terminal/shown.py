@@ -101,5 +101,8 @@ def at_screen(body: Body, size: tuple[int, int] = (80, 24)) -> None:
     """Run `body` at the screen of a virtual board on which nothing moves."""
     spec = compiled()
     configuration = BoardConfiguration.for_spec(spec)
-    with Board(spec, configuration=configuration, plant=Still()) as board, connect(board.url) as link:
+    with (
+        Board(spec, configuration=configuration, plant=Still()) as board,
+        connect(f"{board.url}?timeout=2") as link,
+    ):
         show(link, spec, body, board.registers, size)
