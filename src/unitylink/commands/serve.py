@@ -65,6 +65,7 @@ def command(
     token_file: str | None,
     audit_file: str | None,
     page: str | None,
+    foxglove: str | None,
     plotjuggler: str | None,
     may: tuple[tuple[str, str], ...],
     metrics_file: str | None,
@@ -83,12 +84,14 @@ def command(
     If a board is away, the server waits for it. Programs are told so.
 
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
-    page is for one board, which must be there at the start. --plotjuggler is for one board, too.
+    page is for one board, which must be there at the start. With --foxglove and --plotjuggler, other tools
+    see the board, too.
 
     \b
     Examples:
       unitylink serve serial:/dev/ttyUSB0 arm.ul
       unitylink serve sim:arm.ul arm.ul --page 8080
+      unitylink serve sim:arm.ul arm.ul --foxglove 8765 --plotjuggler 127.0.0.1:9870
       unitylink serve left=tcp://10.0.0.7:5555 right=tcp://10.0.0.8:5555 arm.ul --token-file tokens.toml
       unitylink serve serial:/dev/ttyUSB0 arm.ul --token-file tokens.toml --check-config
       UNITYLINK_TOKEN=... unitylink watch serve://127.0.0.1:7450/arm --spec arm.ul
@@ -116,13 +119,14 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
-    streams = StreamOptions(plotjuggler, may)
-    streams.check()
+    streams = StreamOptions(foxglove, plotjuggler, may)
+    streams.check(anyone=anyone)
     known = len(tokens)
-    own = {"page": page is not None, "streams": streams.any}  # they read the board as programs do
-    own_tokens = {name: new_token() for name, wanted in own.items() if wanted}
-    for name, token in own_tokens.items():
-        tokens = tokens.with_user(token, User(name, Rights.of(["read"])))
+    own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
+    own |= streams.users(fresh=bool(fresh))
+    own_tokens = {name: new_token() for name in own}
+    for name, rights in own.items():
+        tokens = tokens.with_user(own_tokens[name], User(name, rights))
     named = _named(links, spec)
     place = read_place(page) if page is not None else None
     if place is not None and place.exposed and not anyone:
@@ -138,10 +142,15 @@ def command(
         with Server(robots, tokens, audit, host, port) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)
-            urls = {name: _url_for(pages, server, token) for name, token in own_tokens.items()}
-            url = _serve_page(pages, server, urls["page"], spec, place) if place is not None else None
-            lines = pages.enter_context(streams.opened(robots[0], urls["streams"])) if streams.any else []
-            _announce(server, spec, spec_file, fresh, as_json, page=url, streams=lines)
+            page_url, lines = None, []
+            if place is not None:
+                reads = _url_for(pages, server, own_tokens["page"])
+                page_url = _serve_page(pages, server, reads, spec, place)
+            if streams.any:
+                reads = _url_for(pages, server, own_tokens["streams"])
+                opened = streams.opened(robots[0], reads, own_tokens.get("foxglove", ""))
+                lines = pages.enter_context(opened)
+            _announce(server, spec, spec_file, fresh, as_json, page=page_url, streams=lines)
             while not stop.wait(_METRICS_S if metrics_file else None):
                 assert metrics_file is not None
                 write_metrics(metrics_file, server.report())

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from unitylink.dashboard.place import Place, read_place
 from unitylink.errors import UnityLinkError
 
 from .serving import place_of
@@ -22,6 +23,11 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 _OPTIONS = (
+    click.option(
+        "--foxglove",
+        metavar="[HOST:]PORT",
+        help="Serve Foxglove: samples, parameters, services. Usually 8765.",
+    ),
     click.option("--plotjuggler", metavar="HOST:PORT", help="Send samples to PlotJuggler, as JSON over UDP."),
     click.option(
         "--may",
@@ -31,7 +37,7 @@ _OPTIONS = (
         help="What a tool may do, such as mqtt 'write j1.*'. Without it, a tool reads everything.",
     ),
 )
-TOOLS = ("plotjuggler",)  # those without tokens of their own users
+TOOLS = ("foxglove", "plotjuggler")
 
 
 def stream_options(command: F) -> F:
@@ -45,22 +51,40 @@ def stream_options(command: F) -> F:
 class StreamOptions:
     """What was asked for. `check` raises an error if it cannot be. It opens nothing."""
 
+    foxglove: str | None
     plotjuggler: str | None
     may: Sequence[tuple[str, str]]
 
     @property
     def any(self) -> bool:
-        return self.plotjuggler is not None
+        return self.foxglove is not None or self.plotjuggler is not None
 
-    def check(self) -> None:
+    def check(self, *, anyone: bool) -> None:
         for tool, _ in self.may:
             if tool not in TOOLS:
                 raise click.UsageError(f"--may {tool}: there is no such tool; there are {', '.join(TOOLS)}")
             if getattr(self, tool) is None:
                 raise click.UsageError(f"--may {tool}: add --{tool}, too")
             self._rights(tool)
+        if self.foxglove is not None and self._foxglove.exposed and not anyone:
+            raise click.UsageError(
+                f"--foxglove {self.foxglove}: other machines could reach it, and tokens go there "
+                "unencrypted; if you want that, add --anyone"
+            )
         if self.plotjuggler is not None:
             self._plotjuggler()
+
+    def users(self, *, fresh: bool) -> dict[str, Rights]:
+        """Return the rights of the users that are part of the server: who reads, and who is at Foxglove.
+
+        `fresh` says that there is no token file. Then people at Foxglove are one user.
+        """
+        from unitylink.server.scopes import Rights
+
+        users = {"streams": Rights.of(["read"])} if self.any else {}
+        if self.foxglove is not None and fresh:
+            users["foxglove"] = self._rights("foxglove")
+        return users
 
     def _rights(self, tool: str) -> Rights:
         from unitylink.server.scopes import Rights
@@ -69,6 +93,11 @@ class StreamOptions:
             return Rights.of([scope for name, scope in self.may if name == tool] or ["read"])
         except UnityLinkError as error:
             raise click.UsageError(f"--may {tool}: {error}") from error
+
+    @property
+    def _foxglove(self) -> Place:
+        assert self.foxglove is not None
+        return read_place(self.foxglove, option="--foxglove")
 
     def _plotjuggler(self) -> tuple[str, int]:
         assert self.plotjuggler is not None
@@ -80,17 +109,30 @@ class StreamOptions:
         return host or "127.0.0.1", port
 
     @contextmanager
-    def opened(self, robot: Robot, url: str) -> Iterator[list[str]]:
-        """Open the streams of a robot within a `with` block, and yield lines about them. `url` reads it."""
+    def opened(self, robot: Robot, url: str, token: str) -> Iterator[list[str]]:
+        """Open the streams of a robot within a `with` block, and yield lines about them.
+
+        `url` reads the robot. With `token`, a fresh one, people at Foxglove come in. If it
+        is empty, they need one of the token file.
+        """
+        from unitylink.streams.foxglove.server import Foxglove
+        from unitylink.streams.hand import Hand
         from unitylink.streams.plotjuggler import PlotJuggler
         from unitylink.streams.source import Source
 
         streams: list[Stream] = []
         lines = []
         with ExitStack() as stack:
+            if self.foxglove is not None:
+                foxglove = Foxglove(Hand(robot), self._foxglove)
+                stack.callback(foxglove.close)
+                streams.append(foxglove)
+                lines.append(f"for Foxglove:  {foxglove.url}/?token={token or 'TOKEN'}")
             if self.plotjuggler is not None:
                 host, port = self._plotjuggler()
-                streams.append(PlotJuggler(robot.name, host, port, self._rights("plotjuggler")))
+                plotjuggler = PlotJuggler(robot.name, host, port, self._rights("plotjuggler"))
+                stack.callback(plotjuggler.close)
+                streams.append(plotjuggler)
                 lines.append(f"to PlotJuggler:  udp {host}:{port}")
             stack.enter_context(Source(url, robot.spec, streams))
             yield lines

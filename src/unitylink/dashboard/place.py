@@ -58,15 +58,23 @@ class Place:
                 yield written(name)
 
 
-def read_place(listen: str, names: tuple[str, ...] = (), tls: tuple[str, str] | None = None) -> Place:
-    """Return the place that `[HOST:]PORT` means. Raises UnityLinkError if it means none.
+def read_place(
+    listen: str,
+    names: tuple[str, ...] = (),
+    tls: tuple[str, str] | None = None,
+    *,
+    option: str = "--listen",
+) -> Place:
+    """Return the place that `[HOST:]PORT` means.
+
+    Raises UnityLinkError, which names the `option`, if it means none.
 
     >>> read_place("8080"), read_place("[::1]:0").host
     (Place(host='127.0.0.1', port=8080, names=(), certificate=None, key=None), '::1')
     """
     host, _, port = listen.rpartition(":")
     if not (port.isascii() and port.isdecimal()) or int(port) > 65535:
-        raise UnityLinkError(f"--listen {listen}: expected [HOST:]PORT with a port from 0 to 65535")
+        raise UnityLinkError(f"{option} {listen}: expected [HOST:]PORT with a port from 0 to 65535")
     certificate, key = tls if tls else (None, None)
     return Place(host.strip("[]") or "127.0.0.1", int(port), names, certificate, key)
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import uvicorn
 
 from unitylink.errors import UnityLinkError
+from unitylink.server.listening import listen
 
 from .guard import Guard
-from .listening import Protocol, listen
+from .listening import Protocol
 from .place import Place
 from .web_app import WebApp
 

@@ -47,10 +47,6 @@ class Stream(Protocol):
         """The board is away. `begin` follows when it is back."""
         ...
 
-    def close(self) -> None:
-        """The end. Nothing follows."""
-        ...
-
 
 class Source:
     """Reads a robot by `url`, which is one of its server, while the `with` block runs.
@@ -73,8 +69,6 @@ class Source:
     def __exit__(self, *_: object) -> None:
         self._closed.set()
         self._thread.join()
-        for stream in self._streams:
-            stream.close()
 
     def _run(self) -> None:
         while not self._closed.is_set():

@@ -66,8 +66,8 @@ class View:
     @cached_property
     def schema(self) -> dict[str, Any]:
         """The JSON schema of the messages. The units are in its descriptions."""
-        like = {value.path: _like(value.quantity) for value in self.values}
-        return schema_of(like, {value.path: value.unit for value in self.values})
+        sample = {value.path: like(value.quantity) for value in self.values}
+        return schema_of(sample, {value.path: value.unit for value in self.values})
 
     def plain(self, row: Sequence[int]) -> tuple[Any, ...]:
         """Return a sample as values for JSON: enumerations by name, packed bits as objects."""
@@ -92,9 +92,9 @@ class View:
 Batches = Mapping[Topic, Batch]
 
 
-def _like(quantity: Quantity) -> Any:
+def like(quantity: Quantity) -> Any:
     """Return a value whose type in JSON is that of all values of the quantity."""
     kind = quantity.type
     if kind.kind == "bits":
-        return {field.name: _like(Quantity.of(field)) for field in kind.fields}
+        return {field.name: like(Quantity.of(field)) for field in kind.fields}
     return {"bool": False, "enum": ""}.get(kind.kind, 0.0)

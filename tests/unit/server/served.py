@@ -28,7 +28,12 @@ public arm() {
 }
 """
 REFUSED = 0x60  # the bus of the board refuses this address
-TOKENS = {"all": ["admin"], "looks": ["read"], "moves": ["read", "write target", "arm"]}
+TOKENS = {
+    "all": ["admin"],
+    "looks": ["read"],
+    "moves": ["read", "write target", "arm"],
+    "part": ["read power"],
+}
 
 
 def arm() -> Spec:
@@ -62,8 +67,8 @@ def token_of(token: str) -> AbstractContextManager[object]:
 
 
 @contextmanager
-def served(board: Board | None = None, url: str | None = None) -> Iterator[Served]:
-    spec = arm()
+def served(board: Board | None = None, url: str | None = None, spec: Spec | None = None) -> Iterator[Served]:
+    spec = spec if spec is not None else arm()
     configuration = BoardConfiguration.for_spec(spec, bus_error_ranges=((REFUSED, REFUSED),))
     with board or Board(spec, configuration=configuration, endpoint="tcp") as there:
         tokens = Tokens((digest(name), User(name, Rights.of(scopes))) for name, scopes in TOKENS.items())

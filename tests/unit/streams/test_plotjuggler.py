@@ -143,6 +143,8 @@ def test_the_command_streams(tmp_path: Path, receiver: socket.socket) -> None:
         (["--plotjuggler", "far"], "expected [HOST:]PORT"),
         (["--plotjuggler", "0"], "expected the port of PlotJuggler: 9870"),
         (["--may", "plotjuggler", "read"], "add --plotjuggler, too"),
+        (["--foxglove", "0.0.0.0:8765"], "add --anyone"),
+        (["--foxglove", "far"], "--foxglove far: expected [HOST:]PORT"),
         (["--may", "excel", "read"], "there is no such tool"),
         (["--plotjuggler", "9870", "--may", "plotjuggler", "fly"], "'fly' is no scope"),
     ],
