@@ -213,6 +213,7 @@ system)
   need_formal
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
+  need mosquitto mosquitto eval 'PATH=$PATH:/usr/sbin command -v mosquitto'   # the broker of the tests of MQTT
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need_ros
   need_doctest

@@ -66,6 +66,8 @@ def command(
     audit_file: str | None,
     page: str | None,
     foxglove: str | None,
+    mqtt: str | None,
+    mqtt_password_file: str | None,
     plotjuggler: str | None,
     may: tuple[tuple[str, str], ...],
     metrics_file: str | None,
@@ -84,8 +86,8 @@ def command(
     If a board is away, the server waits for it. Programs are told so.
 
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
-    page is for one board, which must be there at the start. With --foxglove and --plotjuggler, other tools
-    see the board, too.
+    page is for one board, which must be there at the start. With --foxglove, --mqtt and --plotjuggler,
+    other tools see the board, too.
 
     \b
     Examples:
@@ -119,7 +121,7 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
-    streams = StreamOptions(foxglove, plotjuggler, may)
+    streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, may)
     streams.check(anyone=anyone)
     known = len(tokens)
     own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
@@ -148,7 +150,7 @@ def command(
                 page_url = _serve_page(pages, server, reads, spec, place)
             if streams.any:
                 reads = _url_for(pages, server, own_tokens["streams"])
-                opened = streams.opened(robots[0], reads, own_tokens.get("foxglove", ""))
+                opened = streams.opened(robots[0], reads, own_tokens)
                 lines = pages.enter_context(opened)
             _announce(server, spec, spec_file, fresh, as_json, page=page_url, streams=lines)
             while not stop.wait(_METRICS_S if metrics_file else None):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,6 +18,7 @@ from .serving import place_of
 if TYPE_CHECKING:
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
+    from unitylink.streams.mqtt.broker import Broker
     from unitylink.streams.source import Stream
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -28,6 +29,10 @@ _OPTIONS = (
         metavar="[HOST:]PORT",
         help="Serve Foxglove: samples, parameters, services. Usually 8765.",
     ),
+    click.option("--mqtt", metavar="URL", help="Publish values at a broker: mqtt://[USER@]HOST, or mqtts:."),
+    click.option(
+        "--mqtt-password-file", metavar="FILE", help="Or put the password into UNITYLINK_MQTT_PASSWORD."
+    ),
     click.option("--plotjuggler", metavar="HOST:PORT", help="Send samples to PlotJuggler, as JSON over UDP."),
     click.option(
         "--may",
@@ -37,7 +42,7 @@ _OPTIONS = (
         help="What a tool may do, such as mqtt 'write j1.*'. Without it, a tool reads everything.",
     ),
 )
-TOOLS = ("foxglove", "plotjuggler")
+TOOLS = ("foxglove", "mqtt", "plotjuggler")
 
 
 def stream_options(command: F) -> F:
@@ -52,12 +57,14 @@ class StreamOptions:
     """What was asked for. `check` raises an error if it cannot be. It opens nothing."""
 
     foxglove: str | None
+    mqtt: str | None
+    mqtt_password_file: str | None
     plotjuggler: str | None
     may: Sequence[tuple[str, str]]
 
     @property
     def any(self) -> bool:
-        return self.foxglove is not None or self.plotjuggler is not None
+        return any(getattr(self, tool) is not None for tool in TOOLS)
 
     def check(self, *, anyone: bool) -> None:
         for tool, _ in self.may:
@@ -73,9 +80,13 @@ class StreamOptions:
             )
         if self.plotjuggler is not None:
             self._plotjuggler()
+        if self.mqtt is not None:
+            self._mqtt()
+        elif self.mqtt_password_file is not None:
+            raise click.UsageError("--mqtt-password-file: add --mqtt, too")
 
     def users(self, *, fresh: bool) -> dict[str, Rights]:
-        """Return the rights of the users that are part of the server: who reads, and who is at Foxglove.
+        """Return the rights of the users that are part of the server: who reads, and who is at a tool.
 
         `fresh` says that there is no token file. Then people at Foxglove are one user.
         """
@@ -84,6 +95,8 @@ class StreamOptions:
         users = {"streams": Rights.of(["read"])} if self.any else {}
         if self.foxglove is not None and fresh:
             users["foxglove"] = self._rights("foxglove")
+        if self.mqtt is not None:
+            users["mqtt"] = self._rights("mqtt")
         return users
 
     def _rights(self, tool: str) -> Rights:
@@ -99,6 +112,12 @@ class StreamOptions:
         assert self.foxglove is not None
         return read_place(self.foxglove, option="--foxglove")
 
+    def _mqtt(self) -> Broker:
+        from unitylink.streams.mqtt.broker import read_broker
+
+        assert self.mqtt is not None
+        return read_broker(self.mqtt, self.mqtt_password_file)
+
     def _plotjuggler(self) -> tuple[str, int]:
         assert self.plotjuggler is not None
         host, port = place_of("plotjuggler", self.plotjuggler)
@@ -109,14 +128,14 @@ class StreamOptions:
         return host or "127.0.0.1", port
 
     @contextmanager
-    def opened(self, robot: Robot, url: str, token: str) -> Iterator[list[str]]:
+    def opened(self, robot: Robot, url: str, tokens: Mapping[str, str]) -> Iterator[list[str]]:
         """Open the streams of a robot within a `with` block, and yield lines about them.
 
-        `url` reads the robot. With `token`, a fresh one, people at Foxglove come in. If it
-        is empty, they need one of the token file.
+        `url` reads the robot. `tokens` are those of `users`.
         """
         from unitylink.streams.foxglove.server import Foxglove
         from unitylink.streams.hand import Hand
+        from unitylink.streams.mqtt.robot import Mqtt
         from unitylink.streams.plotjuggler import PlotJuggler
         from unitylink.streams.source import Source
 
@@ -127,12 +146,17 @@ class StreamOptions:
                 foxglove = Foxglove(Hand(robot), self._foxglove)
                 stack.callback(foxglove.close)
                 streams.append(foxglove)
-                lines.append(f"for Foxglove:  {foxglove.url}/?token={token or 'TOKEN'}")
+                lines.append(f"for Foxglove:  {foxglove.url}/?token={tokens.get('foxglove', 'TOKEN')}")
             if self.plotjuggler is not None:
                 host, port = self._plotjuggler()
                 plotjuggler = PlotJuggler(robot.name, host, port, self._rights("plotjuggler"))
                 stack.callback(plotjuggler.close)
                 streams.append(plotjuggler)
                 lines.append(f"to PlotJuggler:  udp {host}:{port}")
+            if self.mqtt is not None:
+                mqtt = Mqtt(Hand(robot), self._mqtt(), self._rights("mqtt"), tokens["mqtt"])
+                stack.callback(mqtt.close)
+                streams.append(mqtt)
+                lines.append(f"at a broker:  {mqtt.broker}, unitylink/{robot.name}/...")
             stack.enter_context(Source(url, robot.spec, streams))
             yield lines

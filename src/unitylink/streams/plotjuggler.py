@@ -38,7 +38,7 @@ class PlotJuggler:
         self._socket.setblocking(False)
         self._views: dict[Topic, View] = {}
 
-    def begin(self, topics: Sequence[Topic]) -> None:
+    def begin(self, topics: Sequence[Topic], _: object) -> None:
         self._views = {topic: view for topic in topics if (view := topic.view(self._rights)) is not None}
 
     def take(self, batches: Batches) -> None:

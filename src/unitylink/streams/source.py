@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from unitylink.connection import connect
 from unitylink.errors import UnityLinkError
-from unitylink.layer4_data import Publisher, load_spec_objects
+from unitylink.layer4_data import Publisher, Value, load_spec_objects
 from unitylink.layer4_data.everything import publish_all
 from unitylink.layer4_data.topics import topics_of
 
@@ -35,8 +35,8 @@ _MOST_WAITING = 100_000  # samples of a topic; this process was stopped, and the
 class Stream(Protocol):
     """Takes the samples. No call may wait for a reader. All come from one thread."""
 
-    def begin(self, topics: Sequence[Topic]) -> None:
-        """The board is there, and these topics follow. They replace others."""
+    def begin(self, topics: Sequence[Topic], values: Mapping[str, Value[Any]]) -> None:
+        """The board is there, and these topics follow. They replace others. `values` has all by path."""
         ...
 
     def take(self, batches: Batches) -> None:
@@ -103,7 +103,7 @@ class Source:
                 if link.up != up:
                     up = link.up
                     for stream in self._streams:
-                        stream.begin(list(topics.values())) if up else stream.away(link.trouble)
+                        stream.begin(list(topics.values()), values) if up else stream.away(link.trouble)
                 batches = self._gathered(topics, since_1970_s) if up else {}
                 for stream in self._streams:
                     stream.take(batches)

@@ -72,7 +72,7 @@ class Foxglove:
 
     # -- the samples, from the thread of the source
 
-    def begin(self, topics: Sequence[Topic]) -> None:
+    def begin(self, topics: Sequence[Topic], _: object) -> None:
         self._soon(self._begin, list(topics))
 
     def take(self, batches: Batches) -> None:
