@@ -14,7 +14,7 @@ import subprocess
 import termios
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -22,7 +22,7 @@ import pytest
 from unitylink import Link
 from unitylink.errors import DeadManTripped
 
-from .conftest import PATIENCE_S, UNITYLINK
+from .conftest import PATIENCE_S, UNITYLINK, Server
 
 SPEC = """
 public arm() {
@@ -69,15 +69,14 @@ class Terminal:
 
     def exit_code(self) -> int:
         """Wait for the end. What the program shows meanwhile is read, so that it can end."""
-        while self.descriptor >= 0:
-            try:
-                if not os.read(self.descriptor, 65536):
-                    break
-            except OSError:  # this is how Linux reports that the other side of a pty is closed
-                break
-        _, status = os.waitpid(self.pid, 0)
+        end_s = time.monotonic() + PATIENCE_S
+        while (ended := os.waitpid(self.pid, os.WNOHANG)) == (0, 0):
+            assert time.monotonic() < end_s, f"it does not end: {self.seen!r}"
+            if select.select([self.descriptor] if self.descriptor >= 0 else [], [], [], 0.02)[0]:
+                with suppress(OSError):  # this is how Linux reports that the other side of a pty is closed
+                    self.seen += os.read(self.descriptor, 65536).decode(errors="replace")
         self.pid = 0
-        return os.waitstatus_to_exitcode(status)
+        return os.waitstatus_to_exitcode(ended[1])
 
 
 @contextmanager
@@ -118,8 +117,15 @@ def server(spec: Path) -> Iterator[str]:
         process.communicate(timeout=PATIENCE_S)
 
 
-def test_a_virtual_board_without_colours(spec: Path) -> None:
-    with terminal("tui", f"sim:{spec}", NO_COLOR="1") as one:
+@pytest.mark.parametrize("kind", ["sim", "serial"])
+def test_a_board_of_its_own_without_colours(kind: str, spec: Path, serve: Callable[..., Server]) -> None:
+    port = spec.parent / "board.tty"
+    link = f"sim:{spec}"
+    if kind == "serial":
+        serve(spec, "--pty", port)
+        link = f"serial:{port}"
+    options = [] if kind == "sim" else ["--spec", spec]
+    with terminal("tui", link, *options, NO_COLOR="1") as one:
         one.until("position")
         one.until("SPACE stop")
         one.press("q")
@@ -176,8 +182,12 @@ def test_the_space_bar_stops_while_the_screen_hangs(
         one.until("you have control of target")
         one.set("30")
         one.wait(lambda: other.read(TARGET) == 30)
-        one.press("jk" * 100)  # much is drawn anew
-        one.wait(lambda: other.read(TARGET) == 0, reads=False)  # the screen gives no sign of life
+
+        def draws_until_it_hangs() -> bool:
+            one.press("jk")
+            return other.read(TARGET) == 0  # because the screen gives no sign of life
+
+        one.wait(draws_until_it_hangs, reads=False)
         other.write(POWER, 9)
         one.press(" ")
         one.wait(lambda: other.read(POWER) == 0, reads=False)

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
+import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -37,6 +39,8 @@ REDRAW_S = 0.2
 CHARTS_MOST = 4
 WINDOWS_S = (5.0, 10.0, 20.0, 60.0, 300.0, 1800.0)
 LOG_LINES = 3
+GONE_S = 2.0  # for an end in order after the terminal was closed
+HUNG_UP = 128 + signal.SIGHUP  # the exit code that shells give
 
 
 class Screen(App[None]):
@@ -102,9 +106,20 @@ class Screen(App[None]):
     def on_mount(self) -> None:
         if not self.is_headless:
             for number in (signal.SIGHUP, signal.SIGTERM):  # the terminal is closed
-                asyncio.get_running_loop().add_signal_handler(number, self.exit)
+                asyncio.get_running_loop().add_signal_handler(number, self._gone)
         self.set_interval(REDRAW_S, self.redraw)
         self.redraw()
+
+    def _gone(self) -> None:
+        """Nobody is at the terminal any more. The outputs come first, because the screen may not end."""
+
+        def leave() -> None:
+            self._controls.lost()
+            time.sleep(GONE_S)
+            os._exit(HUNG_UP)  # textual may wait for a terminal that is closed
+
+        threading.Thread(target=leave, name="unitylink-gone", daemon=True).start()
+        self.exit()
 
     def on_resize(self) -> None:
         self.redraw()

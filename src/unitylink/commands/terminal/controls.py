@@ -50,13 +50,13 @@ class Controls:
         shared: bool = False,
     ) -> None:
         self.notes: deque[tuple[float, str]] = deque(maxlen=_NOTES)
-        self.stopping = False  # a stop was asked for and is not answered yet
         self._open_link, self._spec, self._root, self._shared = open_link, spec, root, shared
         self._user = _user()
-        self._desk: Desk
         self._client: Client
-        self._link = ExitStack()
+        self._desk: Desk
+        self._link: ExitStack  # closes the link of the desk
         self._alive_s = time.monotonic()
+        self._stops_asked = self._stops_done = 0
         self._stop_wanted, self._ended = threading.Event(), threading.Event()
         self._pool = ThreadPoolExecutor(4, "unitylink-desk")
         self._threads = [
@@ -65,7 +65,7 @@ class Controls:
         ]
 
     def __enter__(self) -> Controls:
-        self._begin()
+        self._client, self._desk, self._link = self._begin()
         for thread in self._threads:
             thread.start()
         return self
@@ -79,14 +79,15 @@ class Controls:
         with suppress(UnityLinkError):
             self._end()
 
-    def _begin(self) -> None:
-        """Open the link that writes, and log in at a gate of this program."""
-        link = self._link.enter_context(self._open_link())
-        token = new_token()
-        owner = User(self._user, Rights.of(["admin"]))
-        gate = Gate(self._root.name, self._root, Tokens([(digest(token), owner)]), Audit(self._heard))
-        self._client = gate.login(token, "this terminal", now())
-        self._desk = Desk(load_spec_objects(self._spec, link, root=self._root.name), gate)
+    def _begin(self) -> tuple[Client, Desk, ExitStack]:
+        """Open a link that writes, and log in at a gate of this program."""
+        with ExitStack() as stack:
+            link = stack.enter_context(self._open_link())
+            token = new_token()
+            owner = User(self._user, Rights.of(["admin"]))
+            gate = Gate(self._root.name, self._root, Tokens([(digest(token), owner)]), Audit(self._heard))
+            robot = load_spec_objects(self._spec, link, root=self._root.name)
+            return gate.login(token, "this terminal", now()), Desk(robot, gate), stack.pop_all()
 
     def _end(self) -> None:
         """Give back control in order, and close the link. The outputs keep their values."""
@@ -114,6 +115,11 @@ class Controls:
         """Who has stopped the robot at this terminal, or an empty text."""
         with self._desk.gate() as gate:
             return gate.stopped_by
+
+    @property
+    def stopping(self) -> bool:
+        """Whether a stop was asked for and is not done yet."""
+        return self._stops_done != self._stops_asked
 
     def note(self, text: str) -> None:
         self.notes.append((time.time(), text))
@@ -148,11 +154,13 @@ class Controls:
         def do() -> str:
             with self._desk.gate() as gate:
                 held = gate.leases.of(self._client.number)
+            if self._shared and held:
+                fresh = self._begin()  # before anything is given back, because it may fail
+                self._end()
+                self._client, self._desk, self._link = fresh
+            with self._desk.gate() as gate:
                 for lease in held:
                     gate.release(self._client, lease.part, now())
-            if self._shared and held:
-                self._link.close()
-                self._begin()
             return "control is given back; the outputs keep their values"
 
         self._soon(do)
@@ -195,7 +203,7 @@ class Controls:
 
     def stop(self) -> None:
         """Make the outputs safe. Any thread may call it, at any time. It waits for nothing."""
-        self.stopping = True
+        self._stops_asked += 1
         self._stop_wanted.set()
 
     def lost(self) -> None:
@@ -220,15 +228,15 @@ class Controls:
     def _stop_when_asked(self) -> None:
         while not self._ended.is_set():
             self._stop_wanted.wait()
+            self._stop_wanted.clear()
             while self.stopping and not self._ended.is_set():
-                self._stop_wanted.clear()
+                asked = self._stops_asked
                 try:
                     self.note(self._stop())
-                    self.stopping = self._stop_wanted.is_set()
+                    self._stops_done = asked
                 except UnityLinkError as error:
                     self.note(f"THE STOP DOES NOT WORK YET, trying again: {error}")
                     self._ended.wait(_AGAIN_S)
-            self._stop_wanted.clear()
 
     def _stop(self) -> str:
         if self._shared:

@@ -185,6 +185,8 @@ def test_a_stop_is_tried_until_the_board_answers(monkeypatch: pytest.MonkeyPatch
     def silent(*_: object, **__: object) -> None:
         raise LinkTimeout("no answer")
 
+    monkeypatch.setattr("unitylink.commands.terminal.controls._AGAIN_S", 0.02)
+
     async def body(one: Shown) -> None:
         one.registers[TARGET] = 5
         with monkeypatch.context() as patched:
@@ -197,7 +199,9 @@ def test_a_stop_is_tried_until_the_board_answers(monkeypatch: pytest.MonkeyPatch
     at_screen(body)
 
 
-def test_a_screen_that_hangs_loses_control() -> None:
+def test_a_screen_that_hangs_loses_control(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("unitylink.commands.terminal.controls.LEASE_S", 0.6)
+
     async def body(one: Shown) -> None:
         await one.take("j1.target")
         await one.press("enter", *"30", "enter")
