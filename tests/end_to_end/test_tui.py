@@ -171,6 +171,21 @@ def test_a_terminal_that_is_closed_makes_its_parts_safe(
         assert other.read(TARGET) == 5
 
 
+def test_it_does_so_with_a_board_of_its_own(spec: Path, serve: Callable[..., Server]) -> None:
+    port = spec.parent / "board.tty"
+    serve(spec, "--pty", port)
+    with terminal("tui", f"serial:{port}", "--spec", spec) as one:
+        one.until("SPACE stop")
+        one.press("\x1b[Bt")
+        one.until("you have control of target")
+        one.set("30")
+        one.until("target = 30")
+        one.hang_up()
+        one.exit_code()
+    with Link(f"serial:{port}?timeout=2") as link:
+        assert link.read(TARGET) == 0
+
+
 def test_the_space_bar_stops_while_the_screen_hangs(
     server: str, spec: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,6 +13,7 @@ from unit.dashboard.robot import Still
 from unit.link.cut_wire import CutWire
 
 from unitylink import Link
+from unitylink.html_table import html_table
 from unitylink.layer4_data import Node, load_spec_objects
 from unitylink.layer4_data.html import HEADERS, MOST, values_html
 from unitylink.simulate import Board, BoardConfiguration
@@ -108,6 +109,9 @@ def test_a_robot_is_a_table_with_units_addresses_and_ranges(arm: Arm) -> None:
 
 
 def test_every_text_is_escaped(arm: Arm) -> None:
+    table = Tables(html_table("<i>", ["<b>"], [["<script>", "</td>&"]], "<u>"))
+    assert table.rows == [["<b>"], ["<script>", "</td>&"]] and table.title == "<i><u>"
+    assert not {"i", "u", "script"} & table.elements
     html = arm.robot.j1.angle._repr_html_()  # type: ignore[attr-defined]
     assert Tables(html).title == "<script>&" and "script" not in Tables(html).elements
 
@@ -144,7 +148,7 @@ def test_a_silent_board_is_asked_once_and_what_is_known_is_shown(arm: Arm) -> No
     table = Tables(arm.robot._repr_html_())
     rows = {row[0]: row[1:] for row in table.rows[1:]}
     assert arm.count - before <= 2, "the first read fails, a SYNC follows, and no further read is tried"
-    assert "unreachable" in table.title
+    assert "unreachable" in table.title and "too slowly" not in table.title
     assert rows["j1.angle"][0] != "unreachable" and rows["broken"][0] == "unreachable"
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -43,6 +44,10 @@ def test_every_sample_has_its_dot(seed: int) -> None:
         row = round((value - picture.low) / (picture.high - picture.low) * (4 * height - 1))
         assert (math.floor(time_s / step_s) - first, row) in drawn
     assert all(len(line) == width for line in picture.lines)
+    rows = [[row for at, row in drawn if at == column] for column in range(2 * width)]
+    for left, right in pairwise(rows):
+        if left and right:
+            assert min(right) <= max(left) and max(right) >= min(left), "the line has a gap"
 
 
 def test_a_peak_of_one_sample_among_many_is_seen() -> None:
