@@ -23,6 +23,7 @@ MODULES = {
     "unitylink.layer2_message": "Layer 2: words at addresses",
     "unitylink.simulate": "Virtual boards and plants",
     "unitylink.testing": "The pytest fixture",
+    "unitylink.jupyter": "Notebooks",
     "unitylink.recording": "Recordings",
     "unitylink.capture": "Captures",
     "unitylink.ports": "Ports and the doctor",

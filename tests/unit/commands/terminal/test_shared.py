@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
+
 import pytest
 from unit.commands.terminal.shown import Shown, show
 from unit.server.served import Served, served, token_of
 
-from unitylink import connect
-from unitylink.errors import DeadManTripped, LeaseHeld
+from unitylink import Link, connect
+from unitylink.errors import DeadManTripped, LeaseHeld, LinkTimeout
 
 TARGET, POWER = 0x1A, 0x1B
 
@@ -55,6 +57,25 @@ def test_control_is_the_lease_of_the_server_and_is_given_back() -> None:
         assert (one.board.registers[TARGET], one.board.registers[POWER]) == (8, 9)
 
     with served() as one, one.link() as ana:
+        at_server(one, body)
+
+
+def test_control_is_kept_if_it_cannot_be_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse() -> AbstractContextManager[Link]:
+        raise LinkTimeout("the server does not answer")
+
+    async def body(screen: Shown) -> None:
+        await screen.take("target")
+        await screen.press("enter", *"7", "enter")
+        await screen.until(lambda: one.board.registers[TARGET] == 7)
+        monkeypatch.setattr(screen.controls, "_open_link", refuse)
+        await screen.press("b")
+        await screen.until(lambda: "NOT DONE: the server does not answer" in screen.notes)
+        assert screen.controls.has("target")
+        await screen.press("space")
+        await screen.until(lambda: one.board.registers[TARGET] == 0)
+
+    with served() as one:
         at_server(one, body)
 
 
