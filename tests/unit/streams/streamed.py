@@ -24,6 +24,7 @@ public arm() {
    @target = 0x1A: i16 WRITE(UNIT="deg", SCALE=0.1, MIN=-90, MAX=90, SAFE=0);
    @power = 0x1B: u16 READWRITE(SAFE=0);
    @other = 0x13: u16 READ();
+   @alarm = 0x14: u16 READ(PUBLISH(on change));
    @mode = 0x1C: Mode READWRITE();
    @open = 0x1D: bool WRITE();
    @reset = 0x34: bool PULSE();

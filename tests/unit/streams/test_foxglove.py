@@ -10,6 +10,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -141,6 +142,39 @@ def test_channels_with_units_and_their_samples(robot: Robot) -> None:
         client.subscribe("/arm/read_5_hz", 8)
         client.until(lambda: client.samples[-1][0] == 8)
         assert client.samples[-1][2].keys() >= {"power", "other", "mode"}
+
+
+def test_who_comes_late_gets_the_newest_sample(robot: Robot) -> None:
+    with robot.client("looks") as early:
+        early.subscribe("/arm/on_change")
+        robot.one.board.registers[0x14] = 55
+        early.until(lambda: early.samples and early.samples[-1][2] == {"alarm": 55})
+        with robot.client("looks") as late:  # nothing changes any more
+            late.subscribe("/arm/on_change")
+            assert late.until(lambda: late.samples)[0][2] == {"alarm": 55}
+    left = until(lambda: [line for line in robot.one.lines if '"logout"' in line and '"looks"' in line])
+    assert left, "the gate knows that they have gone"
+
+
+def test_a_stop_waits_for_no_write(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    held, go_on = threading.Event(), threading.Event()
+    with robot.client() as client:
+        assert client.call("set", {"target": 30}) == {"wrote": 1}
+
+        def hangs(*_: Any) -> int:
+            held.set()
+            go_on.wait(15)
+            return 0
+
+        monkeypatch.setattr(robot.foxglove.hand, "write", hangs)
+        client.socket.send(struct.pack("<BIII", 2, 1, 40, 4) + b'json{"target": 40}')
+        assert held.wait(10)
+        assert client.call("stop", {}) == {"wrote": 2}
+        assert robot.register(0x1A) == 0 and 40 not in client.answers
+        go_on.set()
+        client.until(lambda: 40 in client.answers)
+        monkeypatch.undo()
+        assert client.call("arm", {}) == {}
 
 
 def test_a_reader_sees_his_part_alone(robot: Robot) -> None:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .channels import Channel, Channels
 
 REQUESTS_HZ, BURST = 100.0, 200
+WAITING = 50  # requests that wait for the board
 SAMPLES_WAITING, TEXTS_WAITING = 2000, 500
 _CAPABILITIES = ["services", "parameters", "parametersSubscribe"]
 _SET, _PULSE, _STOP, _ARM = 1, 2, 3, 4  # numbers of the services
@@ -76,13 +77,14 @@ class Conversation:
         self._subscriptions: dict[int, int] = {}  # channel: the number that the client gave
         settings = [path for path, one in server.hand.elements.items() if one.access == "READWRITE"]
         self._parameters = [path for path in settings if self.rights.allow("read", path)]
+        self._requests: asyncio.Queue[tuple[Callable[[Any], Awaitable[None]], Any]] = asyncio.Queue(WAITING)
         self._stops: set[asyncio.Task[None]] = set()
         self._watched: dict[str, Any] = {}  # parameters, with what the client was last told
-        self._do: dict[str, Callable[[dict[str, Any]], Awaitable[None] | None]] = {
+        self._do: dict[str, Callable[[dict[str, Any]], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "getParameters": self._get_parameters,
-            "setParameters": self._set_parameters,
+            "setParameters": lambda told: self._later(self._set_parameters, told),
             "subscribeParameterUpdates": self._watch,
             "unsubscribeParameterUpdates": self._unwatch,
         }
@@ -100,7 +102,7 @@ class Conversation:
         )
         self.advertise()
         self._tell(text("advertiseServices", services=self._services()))
-        jobs = [asyncio.create_task(self._listen()), asyncio.create_task(self._send())]
+        jobs = [asyncio.create_task(job()) for job in (self._listen, self._send, self._work)]
         try:
             await asyncio.wait(jobs, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -211,14 +213,27 @@ class Conversation:
                         self._stops.add(task := asyncio.create_task(self._serve(call)))
                         task.add_done_callback(self._stops.discard)
                     else:
-                        await self._serve(call)
+                        self._later(self._serve, call)
                     continue
                 told = read_text(message)
                 if told["op"] not in self._do:
                     raise ValueRangeError(f"this server does not do {shown(told['op'])}")
-                done = self._do[told["op"]](told)
-                if done is not None:
-                    await done
+                self._do[told["op"]](told)
+            except UnityLinkError as error:
+                self._tell(status(ERROR, str(error)))
+
+    def _later(self, do: Callable[[Any], Awaitable[None]], request: Any) -> None:
+        """Do a request that waits for the board after those that came before it."""
+        try:
+            self._requests.put_nowait((do, request))
+        except asyncio.QueueFull:
+            raise ValueRangeError("too many requests wait for the board") from None
+
+    async def _work(self) -> None:
+        while True:
+            do, request = await self._requests.get()
+            try:
+                await do(request)
             except UnityLinkError as error:
                 self._tell(status(ERROR, str(error)))
 
