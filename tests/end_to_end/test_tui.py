@@ -117,15 +117,8 @@ def server(spec: Path) -> Iterator[str]:
         process.communicate(timeout=PATIENCE_S)
 
 
-@pytest.mark.parametrize("kind", ["sim", "serial"])
-def test_a_board_of_its_own_without_colours(kind: str, spec: Path, serve: Callable[..., Server]) -> None:
-    port = spec.parent / "board.tty"
-    link = f"sim:{spec}"
-    if kind == "serial":
-        serve(spec, "--pty", port)
-        link = f"serial:{port}"
-    options = [] if kind == "sim" else ["--spec", spec]
-    with terminal("tui", link, *options, NO_COLOR="1") as one:
+def test_a_virtual_board_without_colours(spec: Path) -> None:
+    with terminal("tui", f"sim:{spec}", NO_COLOR="1") as one:
         one.until("position")
         one.until("SPACE stop")
         one.press("q")
