@@ -4,7 +4,8 @@
 --
 --   word 0 to 5   gpio               word 8, 9   interrupt_slave: bit 0 is a change of a watched pin
 --
--- Addresses, latency, errors: those of the slaves. Put further slaves into the address map.
+-- `adr` is the address on LiteX's bus, which begins with that of the region. The region has 1024 words, so the lowest
+-- ten bits are the word. Latency, errors: those of the slaves. Put further slaves into the address map.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -49,7 +50,7 @@ architecture rtl of litex_registers is
 
 begin
 
-  master_m2s <= (cyc => cyc, stb => stb, we => we, adr => "00" & adr, dat => dat_w, sel => sel);
+  master_m2s <= (cyc => cyc, stb => stb, we => we, adr => 22x"0" & adr(9 downto 0), dat => dat_w, sel => sel);
   dat_r      <= master_s2m.dat;
   ack        <= master_s2m.ack;
   err        <= master_s2m.err;
