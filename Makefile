@@ -174,6 +174,7 @@ docs: $(VENV)/.built
 	$(BIN)/python tools/docs/terminal.py
 	$(BIN)/python tools/docs/gallery.py
 	$(BIN)/python tools/docs/robots.py
+	$(BIN)/python tools/docs/framed_program.py
 	$(BIN)/python tools/docs/goodput.py
 	$(BIN)/python tools/docs/experiments.py
 	$(BIN)/python tools/docs/build_site.py

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""trace_program: what the compiled small engine executes is what its program says."""
+"""trace_program: what the compiled engine executes is what its program says."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ import pytest
 
 from unitylink import connect
 from unitylink.errors import ToolError
-from unitylink.simulate.rtl.trace import calls_of
+from unitylink.gateware.framed_program import instruction_set, program_of
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.simulate.rtl.trace import calls_of, traceable, traced
 
 LAMP = "public lamp() { @on_now = 0x0: WRITE(); @key = 0x1: READ(); }"
 STEP = re.compile(r"^ *(\d+)  ([0-9A-F]{3}) (?:(\w+):)? *(.*)$")
@@ -76,6 +78,60 @@ def test_an_exchange_step_by_step(program: str, spec: Path, tmp_path: Path, asse
     assert "the same" in file.read_text(), "an engine that waits repeats itself"
 
 
+LEAST = "core_settings(protocol => protocol_framed, publish_mode => 0, lists => false, exchanges => 0)"
+
+
+@pytest.mark.long
+def test_an_exchange_of_the_fast_engine_step_by_step(spec: Path, tmp_path: Path) -> None:
+    file = tmp_path / "steps.txt"
+    with connect(f"rtl:{spec}?engine=fast&protocol=framed&publish_mode=0&trace_program={file}") as link:
+        link.write(0, 5)
+        assert link.read(0) == 5
+    program = program_of("core_settings(protocol => protocol_framed, publish_mode => 0)")
+    lines = program.lines()
+    passes = [text.splitlines() for text in file.read_text().split("\n\n") if text.strip()]
+    executed = []
+    for one in passes:
+        steps = [(int(line[:10]), line[12:]) for line in one if not line.lstrip().startswith("the same")]
+        places = [int(text[:3], 16) for _, text in steps]
+        assert [text for _, text in steps] == [lines[place] for place in places]
+        assert all(before < after for (before, _), (after, _) in pairwise(steps))
+        assert all(after in fast_followers(program, before) for before, after in pairwise(places))
+        executed += places
+    assert {"entry_hello", "entry_open", "exec_read", "exec_write"} <= {
+        program.labels.get(at) for at in executed
+    }
+
+
+def fast_followers(program: Any, place: int) -> set[int]:
+    """Return the places that may follow an instruction of the fast engine."""
+
+    def does(at: int, action: str) -> bool:
+        bit = next(bit for bit, one in instruction_set()["action"].items() if one.name == action)
+        return bool(program.words[at] >> bit & 1)
+
+    following, target = program.words[place] & 0x1FF, program.words[place] >> 9 & 0x1FF
+    if does(place, "do_begin") or does(place, "do_dispatch"):
+        return {at for at in program.labels if at & ~0x1F == following or at & ~0xF == following}
+    if does(place, "do_return"):
+        return {program.words[at] >> 9 & 0x1FF for at in range(len(program.words)) if does(at, "do_call")}
+    jumps = program.words[place] >> 26 & 0x1F
+    return {following, target} if jumps else {following}
+
+
+def test_a_program_of_other_settings_is_told(tmp_path: Path) -> None:
+    """A design of one's own may have other settings than the configuration that came with it."""
+    rom = "".join(f"    n1[{n}] = 80'b{word:080b};\n" for n, word in enumerate(program_of(LEAST).words))
+    netlist = f"module unitylink_frame_sequencer_0a\n  wire [7:0] position;\n{rom}endmodule\n"
+    made, calls = traced(netlist, str(tmp_path / "steps.txt"), LEAST)
+    assert made.startswith(netlist.removesuffix("endmodule\n")) and "unitylink_step" in made
+    assert "next_work:" in calls
+    with pytest.raises(ToolError, match="not that of its settings; give RtlBoard the configuration"):
+        traced(netlist, str(tmp_path / "steps.txt"), LEAST.replace("lists => false", "lists => true"))
+    with pytest.raises(ToolError, match="the netlist has no engine"):
+        traced("module core\nendmodule\n", str(tmp_path / "steps.txt"), LEAST)
+
+
 def followers(program: Any, place: int) -> set[int]:
     """Return the places that may follow an instruction."""
     word = program.words[place]
@@ -87,8 +143,8 @@ def followers(program: Any, place: int) -> set[int]:
 
 
 def test_what_cannot_be_traced_is_told(spec: Path, tmp_path: Path) -> None:
-    with pytest.raises(ToolError, match="trace_program is for the small engine"):
-        connect(f"rtl:{spec}?protocol=classic&trace_program={tmp_path / 'steps.txt'}")
+    with pytest.raises(ToolError, match="trace_program is for the engines of the framed protocol"):
+        traceable(str(tmp_path / "steps.txt"), BoardConfiguration(protocol="classic"))
     with pytest.raises(ToolError, match=r"trace_program=.*absent/steps.txt: No such file or directory"):
         connect(
             f"rtl:{spec}?engine=small&protocol=framed&publish_mode=0&trace_program={tmp_path}/absent/steps.txt"

@@ -33,6 +33,11 @@ def core_settings(changed: Mapping[str, Any]) -> Vhdl:
     return Vhdl.of("core_settings({})", inside) if inside else Vhdl("core_settings")
 
 
+def core_settings_of(configuration: BoardConfiguration) -> Vhdl:
+    """Return the settings of the core that a board configuration has, as VHDL."""
+    return core_settings({one.name: getattr(configuration, one.name) for one in CORE if one.changed_by})
+
+
 def safe_values_of(configuration: BoardConfiguration) -> Constant:
     """Return the table of words that the dead-man writes."""
     words = [

@@ -8,6 +8,7 @@ from typing import Any
 
 from unitylink import _native
 from unitylink.errors import UnityLinkError
+from unitylink.generate.vhdl.settings import core_settings_of
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.interface.components import check_clock
 from unitylink.spec.model import Spec
@@ -80,7 +81,7 @@ class RtlBoard(ModelBoard):
     `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). Then what
     moves behind the words is in this design or in a `plant`. By default there is no plant.
 
-    `trace_program` is a file that gets the program steps of the small engine (docs/gateware/framed_small.md).
+    `trace_program` is a file that gets the program steps of the engine (docs/rtl-simulation.md).
 
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
     generated design cannot have what the configuration asks for), and everything that Board raises.
@@ -102,7 +103,9 @@ class RtlBoard(ModelBoard):
         check_clock(chosen.components, chosen.clock_hz)  # before a build of half a minute
         steps = traceable(trace_program, chosen) if trace_program else ""
         made = design if design is not None else design_of(spec, chosen)
-        model = build_model(replace(made, trace_program=steps), progress)
+        if steps:
+            made = replace(made, trace_program=steps, settings=core_settings_of(chosen))
+        model = build_model(made, progress)
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
         super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)

@@ -124,7 +124,7 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
     parts = [
         tools.versions,
         repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()), design.pins)),
-        design.trace_program and repr((design.trace_program, program_texts())),
+        design.trace_program and repr((design.trace_program, design.settings, program_texts())),
     ]
     parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
     parts += [f"{name}\n{text}" for name, text in sorted(design.files.items())]
@@ -139,7 +139,7 @@ def _build(design: RtlDesign, tools: _Tools, folder: Path, library: Path, say: P
     verilog = netlist_of(design, folder)
     calls = ""
     if design.trace_program:
-        verilog, calls = traced(verilog, design.trace_program)
+        verilog, calls = traced(verilog, design.trace_program, design.settings)
     compile_netlist(verilog, design.top, library, tools=tools, say=say, pins=design.pins, calls=calls)
 
 

@@ -42,7 +42,8 @@ class RtlDesign:
     generics: Mapping[str, Union[int, str, bool]] = field(default_factory=dict)
     pins: tuple[str, ...] = ()
     pin_places: PinPlaces = ()
-    trace_program: str = ""  # the file that gets the program steps of the small engine
+    trace_program: str = ""  # the file that gets the program steps of the engine
+    settings: str = ""  # of its core, as VHDL; what is traced needs them
 
 
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
