@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the dashboard costs: its page, its viewers, its charts. It needs Chromium (make develop).
 
-    python bench/dashboard.py [--seconds 10]
+    python bench/dashboard.py [--seconds 2] [--turns 8] [--only viewers|charts]
 
-The robot has 18 values at 1 kHz, on a virtual board in a process of its own.
+The robot has 18 values at 1 kHz, each a wave with noise. The board, `unitylink serve --page`, the program
+that writes, the viewers and the browser are processes of their own. Phases without and with viewers take
+turns, so that a change of the machine's load meets both.
 """
 
 from __future__ import annotations
@@ -12,7 +14,6 @@ import argparse
 import http.client
 import json
 import os
-import resource
 import statistics
 import subprocess
 import sys
@@ -23,13 +24,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from unitylink import Link, connect
-from unitylink.dashboard.opening import open_dashboard
 from unitylink.dashboard.page_files import page_files
-from unitylink.dashboard.server import Dashboard
-from unitylink.server.scopes import Rights
-from unitylink.server.tokens import Tokens, User, digest
-from unitylink.spec import load
 
 VALUES, VIEWERS, CHARTS = 18, 16, 8
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
@@ -38,71 +33,101 @@ SPEC = (
     + "\n".join(f"   @v{n} = {0x10 + n:#x}: i32 READ(PUBLISH(1000 Hz));" for n in range(VALUES))
     + "\n   @goal = 0x80: i32 WRITE(SAFE=0);\n}\n"
 )
+PLANT = f"""
+import math, random
+class Plant:
+    period_s = 0.001
+    def attach(self, spec, registers):
+        self.registers, self.random = registers, random.Random(1)
+        self.wave = [round(1000 * math.sin(2 * math.pi * k / 1000)) for k in range(1000)]
+    def step(self, time_s):
+        at = int(time_s * 1000)
+        for n in range({VALUES}):
+            self.registers[0x10 + n] = self.wave[at * (n + 1) // 4 % 1000] + at * 7919 % 61 & 0xffffffff
+"""
+WRITER = """
+import sys, time, json
+import unitylink
+times, end = [], float(sys.argv[2])
+with unitylink.connect(sys.argv[1]) as link:
+    while time.monotonic() < end:
+        began = time.monotonic()
+        link.write(0x80, 1)
+        times.append((began, time.monotonic() - began))
+        time.sleep(0.002)
+print(json.dumps(times))
+"""
+VIEWER = """
+import asyncio, json, sys, time
+from websockets.asyncio.client import connect
+async def look(url, cookie, values, end):
+    async with connect(url, additional_headers={"Cookie": cookie}, proxy=None, compression=None) as socket:
+        hello = json.loads(await socket.recv())["hello"]
+        series = [[item, 0.02, hello["now_s"]] for item in range(values)]
+        await socket.send(json.dumps({"do": "view", "id": 1, "series": series}))
+        while time.monotonic() < end:
+            await socket.recv()
+async def main(url, cookie, values, viewers, phases):
+    for begin, end in phases:
+        await asyncio.sleep(begin - time.monotonic())
+        await asyncio.gather(*(look(url, cookie, values, end) for _ in range(viewers)))
+asyncio.run(main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), json.loads(sys.argv[5])))
+"""
+SETTLE_S = 0.4  # after a phase has begun, before it counts
 
 
-def cookie(page: Dashboard) -> str:
+def cookie(page: str, token: str) -> str:
     """Log in and return the cookie."""
-    connection = http.client.HTTPConnection(page.url.partition("//")[2])
-    connection.request("POST", "/login", json.dumps({"token": "bench"}))
+    connection = http.client.HTTPConnection(page.partition("//")[2])
+    connection.request("POST", "/login", json.dumps({"token": token}))
     answer = connection.getresponse()
     answer.read()
     connection.close()
     return str(answer.getheader("set-cookie")).partition(";")[0]
 
 
-def processor_s() -> float:
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
+def processor_s(pid: int) -> float:
+    fields = Path(f"/proc/{pid}/stat").read_text("ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def writes_us(link: Link, seconds: float) -> float:
-    """Return the median time of a confirmed write, in µs."""
-    times, end = [], time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        began = time.perf_counter()
-        link.write(0x80, 1)
-        times.append(time.perf_counter() - began)
-        time.sleep(0.002)
-    return statistics.median(times) * 1e6
+def viewers(page: str, url: str, token: str, server: int, *, seconds: float, turns: int) -> dict[str, float]:
+    """Return the share of a core that the server takes, and the time of a write, without and with viewers."""
+    begin = time.monotonic() + 3
+    starts = [begin + seconds * number for number in range(2 * turns)]
+    phases = [(start, start + seconds) for start in starts[1::2]]
+    environment = {**os.environ, "UNITYLINK_TOKEN": token}
+    with ExitStack() as stack:
+        writing = [sys.executable, "-c", WRITER, url, str(starts[-1] + seconds)]
+        writer = stack.enter_context(
+            subprocess.Popen(writing, stdout=subprocess.PIPE, text=True, env=environment)
+        )
+        looking = [sys.executable, "-c", VIEWER, page.replace("http", "ws") + "/socket", cookie(page, token)]
+        looking += [str(VALUES), str(VIEWERS), json.dumps(phases)]
+        stack.enter_context(subprocess.Popen(looking, stderr=subprocess.DEVNULL))
+        used = []
+        for start in starts:
+            time.sleep(max(0.0, start + SETTLE_S - time.monotonic()))
+            before, at = processor_s(server), time.monotonic()
+            time.sleep(max(0.0, start + seconds - 0.05 - time.monotonic()))
+            used.append((processor_s(server) - before) / (time.monotonic() - at))
+        assert writer.stdout is not None
+        times = json.loads(writer.stdout.readline())
+    medians = [
+        statistics.median(took for at, took in times if start + SETTLE_S <= at < start + seconds)
+        for start in starts
+    ]
+    ratios = [after / before for before, after in zip(medians[::2], medians[1::2], strict=True)]
+    return {
+        "core of the server, no viewer": statistics.median(used[::2]),
+        f"core of the server, {VIEWERS} viewers": statistics.median(used[1::2]),
+        "write in µs, no viewer": statistics.median(medians[::2]) * 1e6,
+        f"write in µs, {VIEWERS} viewers": statistics.median(medians[1::2]) * 1e6,
+        "their ratio, median of the turns": statistics.median(ratios),
+    }
 
 
-VIEWER = """
-import asyncio, json, sys
-from websockets.asyncio.client import connect
-async def look(url, cookie, values):
-    async with connect(url, additional_headers={"Cookie": cookie}, proxy=None, compression=None) as socket:
-        hello = json.loads(await socket.recv())["hello"]
-        series = [[item, 0.02, hello["now_s"]] for item in range(values)]
-        await socket.send(json.dumps({"do": "view", "id": 1, "series": series}))
-        while True:
-            await socket.recv()
-async def main(url, cookie, values, viewers):
-    await asyncio.gather(*(look(url, cookie, values) for _ in range(viewers)))
-asyncio.run(main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])))
-"""
-
-
-def viewers(page: Dashboard, link: Link, seconds: float) -> dict[str, float]:
-    """Return the share of a core that no viewer and VIEWERS viewers take, and the time of a write then."""
-    found: dict[str, float] = {}
-    url = page.url.replace("http", "ws") + "/socket"
-    for number in (0, VIEWERS):
-        with ExitStack() as stack:
-            if number:
-                command = [sys.executable, "-c", VIEWER, url, cookie(page), str(VALUES), str(number)]
-                running = stack.enter_context(subprocess.Popen(command, stderr=subprocess.DEVNULL))
-                stack.callback(running.terminate)
-                while len(page.station.viewers) < number:
-                    time.sleep(0.05)
-                time.sleep(1)
-            before, began = processor_s(), time.perf_counter()
-            time.sleep(seconds)
-            found[f"core with {number} viewers"] = (processor_s() - before) / (time.perf_counter() - began)
-            found[f"write in µs with {number} viewers"] = writes_us(link, seconds / 2)
-    return found
-
-
-def charts(page: Dashboard, seconds: float) -> dict[str, float]:
+def charts(page: str, token: str, seconds: float) -> dict[str, float]:
     """Return how often CHARTS charts are drawn a second in headless Chromium, and when the page is there."""
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
@@ -114,7 +139,7 @@ def charts(page: Dashboard, seconds: float) -> dict[str, float]:
                 "CanvasRenderingContext2D.prototype.clearRect = function (...all) {"
                 " window.draws++; return before.apply(this, all); };"
             )
-            tab.goto(f"{page.url}/#charts={layout}&token=bench")
+            tab.goto(f"{page}/#charts={layout}&token={token}")
             tab.wait_for_selector(".chart canvas")
             paint_ms = tab.evaluate(
                 "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? NaN"
@@ -132,27 +157,44 @@ def charts(page: Dashboard, seconds: float) -> dict[str, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--seconds", type=float, default=10.0)
-    seconds = parser.parse_args().seconds
+    parser.add_argument("--seconds", type=float, default=2.0, help="of each phase")
+    parser.add_argument("--turns", type=int, default=8)
+    parser.add_argument("--only", choices=("viewers", "charts"))
+    options = parser.parse_args()
     found: dict[str, float] = {
         "page in kB over the wire": sum(len(one.small) for one in page_files().values()) / 1000
     }
+    load = [os.getloadavg()[0]]
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        file = Path(folder) / "fast.ul"
+        file, plant = Path(folder) / "fast.ul", Path(folder) / "wave.py"
         file.write_text(SPEC)
-        command = [sys.executable, "-m", "unitylink", "simulate", str(file), "--tcp", "0", "--json"]
-        board = stack.enter_context(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
-        stack.callback(board.terminate)
-        assert board.stdout is not None
-        link = stack.enter_context(connect(json.loads(board.stdout.readline())["url"]))
-        tokens = Tokens([(digest("bench"), User("bench", Rights.of(["admin"])))])
-        page = stack.enter_context(open_dashboard(link, load(file), tokens, lambda _: None))
+        plant.write_text(PLANT)
+
+        def run(*arguments: str) -> tuple[subprocess.Popen[str], dict[str, object]]:
+            command = [sys.executable, "-m", "unitylink", *arguments, "--json"]
+            quiet = subprocess.DEVNULL
+            running = stack.enter_context(
+                subprocess.Popen(command, stdout=subprocess.PIPE, stderr=quiet, text=True, cwd=folder)
+            )
+            stack.callback(running.terminate)
+            assert running.stdout is not None
+            return running, json.loads(running.stdout.readline())
+
+        _, board = run("simulate", str(file), "--plant", str(plant), "--tcp", "0")
+        serving = ("serve", str(board["url"]), str(file), "--listen", "127.0.0.1:0", "--page", "0")
+        server, told = run(*serving)
+        page, token, urls = str(told["page"]), str(told["token"]), told["urls"]
+        assert isinstance(urls, dict)
         time.sleep(1)
-        found |= viewers(page, link, seconds)
-        found |= charts(page, seconds)
+        if options.only != "charts":
+            found |= viewers(
+                page, urls["fast"], token, server.pid, seconds=options.seconds, turns=options.turns
+            )
+        if options.only != "viewers":
+            found |= charts(page, token, 4 * options.seconds)
     for name, value in found.items():
-        print(f"{name:<34} {value:10.3g}")
-    print(f"load of the machine {os.getloadavg()[0]:.1f}")
+        print(f"{name:<36} {value:10.3g}")
+    print(f"load of the machine {load[0]:.1f} at the beginning, {os.getloadavg()[0]:.1f} at the end")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,10 @@ import time
 from pathlib import Path
 
 from unitylink import connect
+from unitylink.dashboard.body.joint_values import with_values
+from unitylink.dashboard.body.urdf import read_urdf
 from unitylink.dashboard.desk import Desk, now
+from unitylink.dashboard.extras import Extras
 from unitylink.dashboard.opening import open_dashboard
 from unitylink.dashboard.place import read_place
 from unitylink.errors import AccessRefused, LeaseHeld, LinkError
@@ -102,10 +105,13 @@ def main() -> int:
             (digest(program), User("demo", Rights.of(["read", "write"]))),
         ]
     )
+    spec, place = load(SPEC), read_place(options.listen)
+    body = with_values(read_urdf(SPEC.with_suffix(".urdf")), spec.root())
+    extras = Extras(text=SPEC.read_text("utf-8"), body=body)
     with (
         stopped_by_signals() as stop,
         connect(options.link) as link,
-        open_dashboard(link, load(SPEC), tokens, lambda _: None, place=read_place(options.listen)) as page,
+        open_dashboard(link, spec, tokens, lambda _: None, place=place, extras=extras) as page,
     ):
         print(
             f"The SCARA moves. Open this page, with Ctrl-C as the end:\n\n  {page.url}/#token={person}\n",

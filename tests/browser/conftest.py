@@ -9,9 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 from unit.dashboard.robot import Robot, robot, simulated
 
+from unitylink.dashboard.body.joint_values import with_values
+from unitylink.dashboard.body.urdf import read_urdf
+from unitylink.dashboard.extras import Extras
+from unitylink.dashboard.shelf import Shelf
 from unitylink.server.rate_limit import RateLimit
 from unitylink.simulate import load_plant
 from unitylink.spec import load
@@ -21,6 +25,8 @@ ARM = ROOT / "examples" / "dashboard" / "arm.ul"
 FLAGS = [
     "--no-sandbox",  # tests may run as root
     "--disable-gpu",
+    "--use-angle=swiftshader",  # WebGL without a graphics card
+    "--enable-unsafe-swiftshader",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
@@ -28,8 +34,15 @@ FLAGS = [
     "--disable-sync",
     "--host-resolver-rules=MAP evil.test 127.0.0.1",
 ]
-SHOWN = ("dashboard", "dashboard-phone", "dashboard-stopped")  # in the documents
+SHOWN = (
+    "dashboard",
+    "dashboard-phone",
+    "dashboard-stopped",
+    "dashboard-replay",
+    "dashboard-robot",
+)  # in the documents
 Open = Callable[..., Page]
+expect.set_options(timeout=15_000)  # a busy machine
 
 
 @pytest.fixture(scope="session")
@@ -41,9 +54,11 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def arm() -> Iterator[Robot]:
-    """The SCARA with its plant. Its users are those of `unit.dashboard.robot`."""
-    with simulated(Path(os.path.relpath(ARM)), "scara") as served:
+def arm(tmp_path: Path) -> Iterator[Robot]:
+    """The SCARA with its plant and its shape. Its users are those of `unit.dashboard.robot`."""
+    body = with_values(read_urdf(ARM.with_suffix(".urdf")), load(ARM).root())
+    extras = Extras(Shelf(tmp_path / "recordings"), ARM.read_text("utf-8"), body)
+    with simulated(Path(os.path.relpath(ARM)), "scara", extras) as served:
         served.page.app.logins = RateLimit(1000, 1000)
         yield served
 
@@ -60,7 +75,9 @@ def wired() -> Iterator[Robot]:
 @pytest.fixture
 def open_page(browser: Browser, request: pytest.FixtureRequest) -> Iterator[Open]:
     """Return a function that opens the robot's page as a user. An error in the page fails the test."""
-    served: Robot = request.getfixturevalue("wired" if "wired" in request.fixturenames else "arm")
+    served: Robot = request.getfixturevalue(
+        next((name for name in ("wired", "oven") if name in request.fixturenames), "arm")
+    )
     contexts: list[BrowserContext] = []
     wrong: list[str] = []
 

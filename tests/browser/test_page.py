@@ -309,9 +309,16 @@ def test_a_phone(open_page: Open, arm: Robot, shoot: Shoot) -> None:
 def test_accessibility(open_page: Open, arm: Robot, shoot: Shoot, scheme: Any, width: int) -> None:
     """The rules of axe-core for WCAG 2.2 AA, on the page with everything open."""
     page = open_page(
-        "owner", "charts=j1.cpos,j2.cpos/5", viewport={"width": width, "height": 900}, color_scheme=scheme
+        "owner",
+        "charts=j1.cpos,j2.cpos/5&favourites=grip,j1.cpos",
+        viewport={"width": width, "height": 900},
+        color_scheme=scheme,
     )
+    arm.page.station.records.begin(next(iter(arm.page.station.viewers)).client, ".csv")
     take_control(page)
+    page.locator("details.recordings summary").click()
+    page.get_by_text("joints and tips in numbers").click()
+    expect(page.locator("details.recordings").get_by_role("status")).to_contain_text("owner records")
     page.get_by_role("button", name="table").click()
     for joint in ("j1", "j2"):
         box(page, f"{joint}.pos_sp").fill("12")
@@ -330,14 +337,26 @@ def test_everything_can_be_reached_by_tab(open_page: Open) -> None:
     page = open_page("owner", "charts=j1.cpos/5")
     take_control(page)
     reached = set()
-    for _ in range(120):
+    for _ in range(160):
         page.keyboard.press("Tab")
         reached.add(
             page.evaluate(
                 "document.activeElement.getAttribute('aria-label') ?? document.activeElement.innerText"
             )
         )
-    wanted = {"STOP", "set j1.pos_sp", "plot j4.spd", "set grip", "lamp", "give back", "freeze", "CSV"}
+    wanted = {
+        "STOP",
+        "set j1.pos_sp",
+        "plot j4.spd",
+        "favourite j1.cpos",
+        "turn left",
+        "save layout",
+        "set grip",
+        "lamp",
+        "give back",
+        "freeze",
+        "CSV",
+    }
     assert wanted <= {str(one).strip() for one in reached}
     assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid", "it shows where"
 

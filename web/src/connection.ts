@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The socket to the server: values come as rows of 64-bit floats (frames.py), all else as JSON.
 import { computed, signal } from "@preact/signals";
-import { type Hello, Item, type LinkEvent, type State, contains } from "./model";
+import { type Hello, Item, type LinkEvent, type Replay, type State, contains } from "./model";
 import { Series } from "./series";
 
 const BEAT_MS = 100; // between two changes of the texts
 const ALIVE_MS = 500;
 const VALUES = 1;
+const EVENTS = 1000; // that the page keeps
 
 export const phase = signal<"login" | "connecting" | "on" | "lost">("connecting");
 export const reason = signal(""); // why there is no connection
 export const hello = signal<Hello | null>(null);
 export const state = signal<State | null>(null);
 export const events = signal<LinkEvent[]>([]);
+export const replay = signal<Replay | null>(null); // the recording that the charts show, instead of what is live
 export const beat = signal(0); // rises with each change of the texts
 export const items: Item[] = [];
 export const drawn = new Set<() => void>(); // called after each frame of values
@@ -71,6 +73,7 @@ export function connect(): void {
     answers.clear();
     ranges.clear();
     state.value = state.value && { ...state.value, leases: [] };
+    replay.value = null; // the server has forgotten it
     reason.value = bye || "the server does not answer";
     if (code === 1008 || bye === "you have logged out") {
       phase.value = "login";
@@ -105,7 +108,8 @@ function takeText(message: Record<string, unknown>): string {
   }
   if (message.state) state.value = message.state as State;
   if (message.texts) takeTexts(message.texts as Record<string, string>);
-  if (message.event) events.value = [...events.value.slice(-199), message.event as LinkEvent];
+  if (message.replay) replay.value = message.replay as Replay;
+  if (message.event) events.value = [...events.value.slice(1 - EVENTS), message.event as LinkEvent];
   if (message.answer) {
     answers.get(message.answer as number)?.((message.error as string) ?? "");
     answers.delete(message.answer as number);
@@ -163,11 +167,17 @@ export function ask(what: string, facts: Record<string, unknown> = {}): Promise<
   });
 }
 
-/** Fetch series of items between two times, once. */
-export function range(which: number[], step_s: number, begin_s: number, end_s: number): Promise<Map<number, Series>> {
+/** Fetch series of items between two times, once: live ones, or those of the replay. */
+export function range(
+  which: number[], step_s: number, begin_s: number, end_s: number, replayed = false,
+): Promise<Map<number, Series>> {
   return new Promise((done, failed) => {
-    ranges.set(next, done);
-    ask("range", { series: which.map((item) => [item, step_s, begin_s]), end_s }).catch(failed);
+    const id = next;
+    ranges.set(id, done);
+    ask("range", { series: which.map((item) => [item, step_s, begin_s]), end_s, replay: replayed }).catch((error) => {
+      ranges.delete(id);
+      failed(error);
+    });
   });
 }
 

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: the stop and who has control above, values beside charts, the link and events below.
+// The page: the stop and alarms above, values beside charts, recordings, the link and events below.
 import { render } from "preact";
 import { useState } from "preact/hooks";
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import { AlarmCount, Alarms } from "./alarms";
+import { RobotView } from "./body";
 import { Charts } from "./charts";
 import { Confirm } from "./confirm";
 import { connect, hello, items, logIn, logOut, phase, reason } from "./connection";
 import { Control } from "./control";
 import { Drafts } from "./drafts";
-import { Health, Log, Pulse } from "./health";
+import { Groups } from "./groups";
+import { Health, Pulse } from "./health";
 import { charts, keepUrl, readUrl } from "./layout";
+import { Log } from "./log";
 import { Messages } from "./messages";
+import { Player, Recordings } from "./recordings";
 import { Stop } from "./stop";
-import { Tree } from "./tree";
+import { Favourites, Tree } from "./tree";
 
 function Page() {
   const robot = hello.value;
@@ -24,6 +29,7 @@ function Page() {
       <header>
         <h1>{robot.robot}</h1>
         <Pulse />
+        <AlarmCount />
         <Stop />
       </header>
       {phase.value === "lost" && (
@@ -32,15 +38,21 @@ function Page() {
       <main>
         <section class="left" aria-label="values">
           <Control />
+          <Alarms />
+          <Favourites />
           <Tree />
+          <Groups />
           <p class="quiet who">
             {robot.user} <button type="button" onClick={logOut}>log out</button>
           </p>
         </section>
         <section class="drawn" aria-label="charts">
+          <Player />
+          <RobotView />
           <Charts />
         </section>
-        <section class="below" aria-label="link and events">
+        <section class="below" aria-label="recordings, link and events">
+          <Recordings />
           <Health />
           <Log />
         </section>

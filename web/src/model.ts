@@ -54,6 +54,8 @@ export interface Hello {
   writes: string[];
   may_arm: boolean;
   may_break: boolean;
+  may_see_recordings: boolean;
+  has_body: boolean;
   sees: number[];
   rates: number[];
   texts: Record<string, string>;
@@ -70,6 +72,47 @@ export interface Lease {
   ending: string;
 }
 
+/** A publish: what was asked for and came. Times in s, null if there is no promise, or nothing to compare. */
+export interface Publish {
+  paths: string[];
+  hardware: boolean;
+  rate_hz: number;
+  received: number;
+  lost: number;
+  sampled_s: number | null;
+  sent_s: number | null;
+  off_s: number | null;
+}
+
+export interface Alarm {
+  item: number;
+  above: boolean;
+  limit: number;
+  worst: number | null;
+  begun_s: number;
+  ended_s: number | null;
+  count: number;
+  seen_by: string;
+}
+
+export interface Recording {
+  name: string;
+  by: string;
+  samples: number;
+  size_bytes: number;
+  lost: number;
+  seconds: number;
+}
+
+/** A recording that is shown. Its times begin at 0, which is `begun_s` since 1970. */
+export interface Replay {
+  name: string;
+  begun_s: number;
+  duration_s: number;
+  items: number[];
+  notice: string;
+}
+
 export interface State {
   up: boolean;
   trouble: string;
@@ -79,7 +122,10 @@ export interface State {
   viewers: number;
   round_trip_s: number | null;
   statistics: Record<string, number>;
-  publishes: { paths: string[]; hardware: boolean; rate_hz: number; received: number; lost: number }[];
+  publishes: Publish[];
+  line: { bytes_per_s: number; baud_hz: number | null; load: number | null } | null;
+  recording: Recording | null;
+  alarms: Alarm[];
 }
 
 /** One item with its newest value. `shown` and `age` are texts, so a row changes only if they do. */

@@ -48,6 +48,12 @@ export class Series {
     this.greatest.splice(0, first);
   }
 
+  /** The greatest value of the last bucket that begins at a time or before, if there is one. */
+  before(time_s: number): number | undefined {
+    const at = this.from(time_s + this.step_s) - 1;
+    return this.greatest[at];
+  }
+
   /** The index of the first bucket that is not before a time. */
   from(time_s: number): number {
     const number = Math.floor(time_s / this.step_s);

@@ -98,6 +98,7 @@ function Box({ item, mayWrite }: { item: Item; mayWrite: boolean }) {
         autocomplete="off" disabled={!mayWrite} value={draft ?? ""} placeholder={item.shown.value}
         class={draft !== undefined ? "draft" : ""}
         onInput={(event) => setDraft(path, event.currentTarget.value || null)} />
+      {unit && <span class="unit">{unit}</span>}
       <button type="submit" disabled={!mayWrite || draft === undefined}>set</button>
     </form>
   );

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,7 @@ from unitylink.program import stopped_by_signals
 from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .output import json_option, print_json
+from .page_options import page_extras, page_options
 from .root_option import root_option
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ _LOOK_S = 0.2  # between two looks whether the link has ended
     metavar="HZ",
     help="How often to read items without PUBLISH.",
 )
+@page_options
 @root_option("Show one board")
 @json_option("the address")
 def command(
@@ -60,12 +62,14 @@ def command(
     rate_hz: float,
     root: str | None,
     as_json: bool,
+    **extras: Any,
 ) -> None:
     """Serve a page with the values of a robot, until Ctrl-C.
 
-    The page shows values, charts and the health of the link, all from the spec. It writes what may be
-    written, after its user has taken control. Open the URL that is printed. It has a fresh token in it, which
-    may do everything. With --token-file, each user logs in with a token of his own.
+    The page shows values, charts, alarms and the health of the link, all from the spec. It writes what may be
+    written, after its user has taken control. It records, and replays recordings. Open the URL that is
+    printed. It has a fresh token in it, which may do everything. With --token-file, each user logs in with a
+    token of his own.
 
     Only this machine reaches the page. Other machines need --listen HOST:PORT and --anyone. Without --tls,
     tokens go over that network unencrypted.
@@ -74,9 +78,10 @@ def command(
     Examples:
       unitylink dashboard sim:arm.ul
       unitylink dashboard serial:/dev/ttyUSB0 --spec arm.ul --listen 8080
+      unitylink dashboard sim:arm.ul --urdf arm.urdf --joint waist=j1.cpos
       unitylink dashboard sim:arm.ul --listen 0.0.0.0:8443 --anyone --name lab7 --tls lab7.pem lab7.key
     """
-    from unitylink.dashboard.opening import open_dashboard
+    from unitylink.dashboard.opening import board_of, open_dashboard
     from unitylink.dashboard.place import read_place
 
     place = read_place(listen, names, tls)
@@ -91,8 +96,11 @@ def command(
         target = stack.enter_context(open_target(link, spec_file, quiet=True))
         if target.spec is None:
             raise Failure("the page is made from a spec", "add --spec FILE.ul")
+        more = page_extras(board_of(target.spec, root), target.names.source, **extras)
         page = stack.enter_context(
-            open_dashboard(target.link, target.spec, tokens, put, place=place, root=root, read_hz=rate_hz)
+            open_dashboard(
+                target.link, target.spec, tokens, put, place=place, root=root, read_hz=rate_hz, extras=more
+            )
         )
         if as_json:
             print_json({"url": page.url, "token": fresh or None}, indent=None)

@@ -14,10 +14,10 @@ from unitylink.errors import LinkClosed, LinkError, LinkTimeout, ValueRangeError
 from unitylink.layer4_data import Publisher, ReadValue
 from unitylink.layer4_data.publication import base_hz
 from unitylink.layer4_data.published import PublishedValue
+from unitylink.recording.reorder_buffer import ReorderBuffer
 
 from .item_values import item_values
 from .names import Item
-from .reorder_buffer import ReorderBuffer
 
 if TYPE_CHECKING:
     from types import TracebackType

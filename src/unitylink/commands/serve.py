@@ -8,7 +8,7 @@ import re
 import sys
 import tempfile
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,11 +17,13 @@ from unitylink.program import stopped_by_signals
 
 from .failure import Failure
 from .output import json_option, print_json
+from .page_options import page_extras, page_options
 from .root_option import part_of, root_option
 from .serving import place_of
 from .stream_options import StreamOptions, stream_options
 
 if TYPE_CHECKING:
+    from unitylink.dashboard.extras import Extras
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens
     from unitylink.spec.model import Spec
@@ -47,6 +49,7 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.option(
     "--page", metavar="[HOST:]PORT", help="Also serve the board's page for browsers (unitylink dashboard)."
 )
+@page_options
 @stream_options
 @click.option(
     "--metrics", "metrics_file", metavar="FILE", help="Write the counters there every 5 s, for Prometheus."
@@ -74,6 +77,7 @@ def command(
     check_config: bool,
     root: str | None,
     as_json: bool,
+    **extras: Any,
 ) -> None:
     """Share boards among many programs, until Ctrl-C.
 
@@ -135,6 +139,7 @@ def command(
         raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
     if own_tokens and len(named) > 1:
         raise click.UsageError("--page and streams are for one board; start a server for each")
+    more = page_extras(spec.roots[0], spec_file, **extras)
     if check_config:
         return _report_check(named, host, port, known)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
@@ -147,7 +152,7 @@ def command(
             page_url, lines = None, []
             if place is not None:
                 reads = _url_for(pages, server, own_tokens["page"])
-                page_url = _serve_page(pages, server, reads, spec, place)
+                page_url = _serve_page(pages, server, reads, spec, place=place, extras=more)
             if streams.any:
                 reads = _url_for(pages, server, own_tokens["streams"])
                 opened = streams.opened(robots[0], reads, own_tokens)
@@ -209,7 +214,9 @@ def _url_for(opened: ExitStack, server: Server, token: str) -> str:
     return f"serve://{server.place}/{robot.name}?token_file={file.name}"
 
 
-def _serve_page(pages: ExitStack, server: Server, url: str, spec: Spec, place: Place) -> str:
+def _serve_page(
+    pages: ExitStack, server: Server, url: str, spec: Spec, *, place: Place, extras: Extras
+) -> str:
     """Serve the page of the only board, read by `url`, until `pages` is closed. Return its own URL."""
     from unitylink.connection import connect
     from unitylink.dashboard.opening import page_of
@@ -217,7 +224,7 @@ def _serve_page(pages: ExitStack, server: Server, url: str, spec: Spec, place: P
     (robot,) = server.robots.values()
     link, gate, lock = robot.share()
     reader = pages.enter_context(connect(url, reconnect=True))
-    return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place)).url
+    return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place, extras=extras)).url
 
 
 def _announce(

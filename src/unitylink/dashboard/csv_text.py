@@ -4,22 +4,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
-from .feed import Track
+if TYPE_CHECKING:
+    from .mcap_export import Series
 
 HEAD = "item,unit,time_s,least,greatest\r\n"
 
 
-def csv_lines(tracks: Iterable[Track], begin_s: float, end_s: float) -> Iterator[str]:
-    """Yield the samples of [begin_s, end_s) as lines, as finely as they are kept.
+def csv_lines(series: Iterable[Series]) -> Iterator[str]:
+    """Yield the samples of items as lines, as finely as they are kept.
 
     `least` and `greatest` are the same for a sample of its own. Older samples are kept 8, 64 or 512 together.
     """
     yield HEAD
-    for track in tracks:
-        name = f"{_quoted(track.value.path)},{_quoted(track.value.unit)}"
-        rows = track.history.samples(begin_s, end_s)
-        for time_s, least, greatest in rows.T.tolist():
+    for value, samples in series:
+        name = f"{_quoted(value.path)},{_quoted(value.unit)}"
+        for time_s, least, greatest in samples.T.tolist():
             yield f"{name},{time_s!r},{least!r},{greatest!r}\r\n"
 
 

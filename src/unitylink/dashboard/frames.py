@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from .feed import Feed, Track
-from .history import Buckets
+from .history import Buckets, History
 
 VALUES, RANGE = 1.0, 2.0
 
@@ -75,6 +75,9 @@ class Frames:
             self._series[key] = series(item, step_s, found), max(first, last)
         return self._series[key]
 
-    def range(self, item: int, step_s: float, begin_s: float, end_s: float) -> bytes:
-        """Return a series between two times."""
-        return series(item, step_s, self.feed.tracks[item].history.buckets(begin_s, end_s, step_s))
+    def range(
+        self, item: int, step_s: float, begin_s: float, end_s: float, history: History | None = None
+    ) -> bytes:
+        """Return a series between two times, of what has come, or of another history."""
+        history = history if history is not None else self.feed.tracks[item].history
+        return series(item, step_s, history.buckets(begin_s, end_s, step_s))

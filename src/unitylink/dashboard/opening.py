@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from unitylink.server.tokens import Tokens
     from unitylink.spec.model import Instance, Spec
 
+    from .extras import Extras
     from .place import Place
     from .server import Dashboard
 
@@ -33,6 +34,7 @@ def open_dashboard(
     place: Place | None = None,
     root: str | None = None,
     read_hz: float = 5.0,
+    extras: Extras | None = None,
 ) -> Iterator[Dashboard]:
     """Serve the page of a robot within a `with` block. `put` gets the lines of the audit log.
 
@@ -42,9 +44,9 @@ def open_dashboard(
         with open_dashboard(link, spec, tokens, print) as page:
             print(page.url)
     """
-    chosen = _board(spec, root)
+    chosen = board_of(spec, root)
     gate = Gate(chosen.name, chosen, tokens, Audit(put))
-    with page_of(link, spec, gate, place=place, root=root, read_hz=read_hz) as page:
+    with page_of(link, spec, gate, place=place, root=root, read_hz=read_hz, extras=extras) as page:
         yield page
 
 
@@ -59,6 +61,7 @@ def page_of(
     place: Place | None = None,
     root: str | None = None,
     read_hz: float = 5.0,
+    extras: Extras | None = None,
 ) -> Iterator[Dashboard]:
     """Do the same with a gate that is there. `shared` guards it, if a server keeps it and asks it, too.
 
@@ -70,21 +73,23 @@ def page_of(
         except ImportError:
             raise absent(package, "the dashboard") from None
     from .desk import Desk
+    from .extras import Extras
     from .feed import Feed
     from .server import Dashboard
     from .station import Station
 
-    chosen = _board(spec, root)
+    chosen = board_of(spec, root)
     robot = load_spec_objects(spec, link, root=root)
     reader = reader if reader is not None else link
     values = {value.path: value for value in load_spec_objects(spec, reader, root=root)}
     with Feed(reader, [values[element.path] for element in chosen.walk()], read_hz) as feed:
-        station = Station(reader, chosen, robot, Desk(robot, gate, shared), feed)
+        desk, extras = Desk(robot, gate, shared), extras if extras is not None else Extras()
+        station = Station(reader, chosen, robot, desk, feed, spec=spec, extras=extras)
         with Dashboard(station, place) as page:
             yield page
 
 
-def _board(spec: Spec, root: str | None) -> Instance:
+def board_of(spec: Spec, root: str | None) -> Instance:
     """Return the board of the page."""
     if root is None and len(spec.roots) > 1:
         boards = ", ".join(one.name for one in spec.roots)

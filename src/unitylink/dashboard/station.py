@@ -11,28 +11,33 @@ from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from unitylink.errors import LinkError
 from unitylink.layer4_data import Node
+from unitylink.recording import Origin
 
+from .alarms import Alarms
 from .description import describe
 from .desk import Desk
+from .extras import Extras
 from .feed import Feed
 from .frames import Frames
+from .promise import Promise
+from .records import Records
 from .requests import plain
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link, LinkEvent
     from unitylink.server.gate import Client
-    from unitylink.spec.model import Instance
+    from unitylink.spec.model import Instance, Spec
 
 ROUND_S = 1 / 30
 STATE_S = 0.5
 KEPT = 200  # events that a new viewer is told
 BOARD_THREADS = 4
 
-_log = logging.getLogger("unitylink.dashboard")
+T = TypeVar("T")
 
 
 class Audience(Protocol):
@@ -50,10 +55,20 @@ class Audience(Protocol):
 class Station:
     """The robot as the web server sees it. `run` makes the rounds, in the event loop of the web server."""
 
-    def __init__(self, link: Link, root: Instance, robot: Node, desk: Desk, feed: Feed) -> None:
-        self.link, self.robot, self.desk, self.feed = link, robot, desk, feed
+    def __init__(
+        self, link: Link, root: Instance, robot: Node, desk: Desk, feed: Feed, *, spec: Spec, extras: Extras
+    ) -> None:
+        self.link, self.robot, self.desk, self.feed, self.body = link, robot, desk, feed, extras.body
         self.frames = Frames(feed)
         self.description = describe(root, robot)
+        values = [track.value for track in feed.tracks]
+        units = {value.path: value.unit for value in values if value.unit}
+        origin = Origin(spec.source, extras.text, spec.hash, units)
+        self.records = Records(extras.shelf, feed, root, desk, origin=origin, note=self.note)
+        self.alarms = Alarms(values, self.note)
+        self.promise = Promise(spec, root, link)
+        self.promise.begin(feed.publications())
+        feed.takers += [self.alarms.take, self.promise.take]
         self.viewers: set[Audience] = set()
         self.events: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self.round_trip_s: float | None = None
@@ -61,6 +76,7 @@ class Station:
         self._pool = ThreadPoolExecutor(BOARD_THREADS, "unitylink-desk")
         self._apart = ThreadPoolExecutor(2, "unitylink-stop")  # for nothing but stops
         self._keeper = ThreadPoolExecutor(1, "unitylink-keep")
+        self._files = ThreadPoolExecutor(2, "unitylink-files")
         self._texts: dict[int, str] = {}
         self._changed = True
 
@@ -71,6 +87,14 @@ class Station:
     def at_once(self, call: Callable[..., Any], *arguments: Any) -> Awaitable[Any]:
         """Do the same for a stop, whatever other calls wait."""
         return asyncio.get_running_loop().run_in_executor(self._apart, call, *arguments)
+
+    def in_files(self, call: Callable[..., T], *arguments: Any) -> Awaitable[T]:
+        """Do a call that reads or writes files."""
+        return asyncio.get_running_loop().run_in_executor(self._files, call, *arguments)
+
+    def since_1970_s(self) -> float:
+        """Return the difference of the time since 1970 and that of the link, in s."""
+        return time.time() - self.link.now_s()
 
     async def run(self, stop: asyncio.Event) -> None:
         """Make rounds until `stop`."""
@@ -96,8 +120,9 @@ class Station:
             keeper.cancel()
             with suppress(asyncio.CancelledError):
                 await keeper
-            for pool in (self._pool, self._apart, self._keeper):
+            for pool in (self._pool, self._apart, self._keeper, self._files):
                 pool.shutdown(wait=False, cancel_futures=True)
+            await asyncio.to_thread(self.records.close)
 
     async def _keep(self, stop: asyncio.Event) -> None:
         """Look after the leases ten times a second, and measure the round trip once."""
@@ -152,6 +177,8 @@ class Station:
             "writes": list(rights.parts("write")),
             "may_arm": rights.allow("arm"),
             "may_break": rights.allow("admin"),
+            "may_see_recordings": rights.allow("read"),
+            "has_body": self.body is not None,
             "sees": [number for number, seen in enumerate(viewer.sees) if seen],
             "rates": [track.rate_hz for track in self.feed.tracks],
             "texts": {number: track.text for number, track in enumerate(self.feed.tracks) if track.text},
@@ -164,10 +191,13 @@ class Station:
         texts = {number: track.text for number, track in enumerate(self.feed.tracks) if track.text}
         fresh = {number: text for number, text in texts.items() if self._texts.get(number) != text}
         self._texts = texts
-        state = {"state": self.state()}
+        state, alarms = self.state(), self.alarms.all()
         for viewer in self.viewers:
-            seen = {number: text for number, text in fresh.items() if viewer.sees[number]}
-            viewer.tell({**state, "texts": seen} if seen else state)
+            shown = [alarm.told() for alarm in alarms if viewer.sees[alarm.item]]
+            message: dict[str, Any] = {"state": {**state, "alarms": shown}}
+            if seen := {number: text for number, text in fresh.items() if viewer.sees[number]}:
+                message["texts"] = seen
+            viewer.tell(message)
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then: leases, the link, the publishes."""
@@ -194,7 +224,9 @@ class Station:
             "viewers": len(self.viewers),
             "round_trip_s": self.round_trip_s,
             "statistics": asdict(self.link.statistics()),
-            "publishes": self.feed.reports(),
+            "publishes": [{**one, **self.promise.told(one["paths"])} for one in self.feed.reports()],
+            "line": self.promise.line(),
+            "recording": self.records.state(),
         }
 
 

@@ -29,6 +29,7 @@ from .requests import Request, read
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
+    from .replay import Replay
     from .station import Station
 
 REQUESTS_HZ, BURST = 100.0, 200
@@ -51,6 +52,7 @@ class Viewer:
         self._wake = asyncio.Event()
         self._ended = asyncio.Event()
         self._round = 0
+        self._replay: Replay | None = None
         self._series: dict[tuple[int, float], int] = {}  # item and step: the first bucket of the next frame
         rights = client.user.rights
         self.sees = [rights.allow("read", track.value.path) for track in station.feed.tracks]
@@ -66,6 +68,11 @@ class Viewer:
             "break": self._break,
             "alive": self._alive,
             "arm": self._arm,
+            "acknowledge": self._acknowledge,
+            "record": self._record,
+            "end_recording": self._end_recording,
+            "delete_recording": self._delete_recording,
+            "replay": self._replay_begin,
         }
 
     async def run(self) -> None:
@@ -160,10 +167,17 @@ class Viewer:
         }
 
     def _range(self, request: Request) -> None:
-        """Send these series once, each from its begin to the same end."""
+        """Send these series once, each from its begin to the same end: live ones, or of the replay."""
         end_s = request.seconds("end_s", -1e9, 1e9)
-        frames = self._station.frames
-        parts = [frames.range(item, step, begin, end_s) for item, step, begin in self._wanted(request)]
+        frames, histories = self._station.frames, None
+        if request.facts.get("replay"):
+            if self._replay is None:
+                raise ValueRangeError("range: there is no replay; begin one first")
+            histories = self._replay.histories
+        parts = [
+            frames.range(item, step, begin, end_s, histories[item] if histories else None)
+            for item, step, begin in self._wanted(request)
+        ]
         self._put(floats((RANGE, request.number, len(parts))) + b"".join(parts))
 
     def _write(self, request: Request) -> Any:
@@ -208,3 +222,30 @@ class Viewer:
         """A sign of life, which keeps the leases."""
         with self._station.desk.gate() as gate:
             gate.renew(self.client, now())
+
+    # -- alarms and recordings
+
+    def _acknowledge(self, request: Request) -> None:
+        path = request.text("path")
+        with self._station.desk.gate() as gate:
+            gate.check_acknowledge(self.client, path, now())
+            self._station.alarms.acknowledge(path, self.client.name)
+            gate.note("acknowledge", self.client, now(), path=path)
+        self._station.changed()
+
+    async def _record(self, request: Request) -> None:
+        await self._station.in_files(self._station.records.begin, self.client, request.text("format"))
+        self._station.changed()
+
+    async def _end_recording(self, _: Request) -> None:
+        await self._station.in_files(self._station.records.end, self.client)
+        self._station.changed()
+
+    async def _delete_recording(self, request: Request) -> None:
+        await self._station.in_files(self._station.records.remove, self.client, request.text("name"))
+
+    async def _replay_begin(self, request: Request) -> None:
+        """Read a recording, and tell what it has. Ranges with `replay` are of it from now on."""
+        records, name = self._station.records, request.text("name")
+        self._replay = await self._station.in_files(records.replay, self.client, name)
+        self.tell({"replay": self._replay.told()})

@@ -17,10 +17,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from unitylink.errors import AccessRefused, UnityLinkError
 from unitylink.server.rate_limit import RateLimit
 
-from .csv_text import csv_lines
 from .desk import now
+from .downloads import NO_SESSION, Downloads
 from .page_files import page_files
-from .requests import MOST_SERIES
 from .sessions import IDLE_S, Session, Sessions
 from .viewer import Viewer
 
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 BODY_BYTES, BODY_S = 4096, 4.0  # of the only requests that have a body
 LOGINS_HZ, LOGIN_BURST = 5.0, 20
-NO_SESSION = "log in with the token that the server has printed"
 BUSY = 1013  # the WebSocket code for "try again later"
 
 
@@ -56,7 +54,7 @@ class WebApp:
                 Route("/login", self._log_in, methods=["POST"]),
                 Route("/logout", self._log_out, methods=["POST"]),
                 Route("/stop", self._stop, methods=["POST"]),
-                Route("/csv", self._csv),
+                *Downloads(self.station, self._session).routes(),
                 WebSocketRoute("/socket", self._socket),
             ]
         )
@@ -125,29 +123,6 @@ class WebApp:
             self.station.changed()
         self.station.note("stop", f"{session.client.name} has stopped the robot")
         return JSONResponse({"wrote": wrote, "seconds": round(time.monotonic() - begun_s, 4)})
-
-    async def _csv(self, request: Request) -> Response:
-        """Send the samples of items between two times, as a file."""
-        session = self._session(request)
-        if session is None:
-            return PlainTextResponse(NO_SESSION, 401)
-        asked = request.query_params
-        tracks = {track.value.path: track for track in self.station.feed.tracks}
-        try:
-            begin_s, end_s = float(asked["begin_s"]), float(asked["end_s"])
-            chosen = [tracks[path] for path in asked.getlist("item")[:MOST_SERIES]]
-            with self.station.desk.gate() as gate:
-                for track in chosen:
-                    gate.check_read(session.client, track.value.path, now())
-        except AccessRefused as error:
-            return PlainTextResponse(str(error), 403)
-        except (ValueError, KeyError) as error:
-            return PlainTextResponse(f"expected item=NAME, begin_s and end_s: {error}", 400)
-        return Response(
-            "".join(csv_lines(chosen, begin_s, end_s)),
-            media_type="text/csv; charset=utf-8",
-            headers={"content-disposition": 'attachment; filename="values.csv"', "cache-control": "no-store"},
-        )
 
     async def _socket(self, socket: WebSocket) -> None:
         session = self._session(socket)

@@ -7,7 +7,10 @@ import datetime
 import json
 from collections.abc import Callable
 
-EVENTS = ("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "arm", "refused")
+EVENTS = (
+    *("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "arm", "refused"),
+    *("record", "acknowledge"),  # at the page of the dashboard
+)
 
 
 class Audit:

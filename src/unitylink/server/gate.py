@@ -142,6 +142,19 @@ class Gate:
         """Raises AccessRefused if this user may not arm the robot after a stop."""
         self._check(client, "arm", WHOLE, now)
 
+    def check_acknowledge(self, client: Client, path: str, now: Now) -> None:
+        """Raises AccessRefused if this user may not acknowledge alarms of an item.
+
+        Who may write some of the robot, and read the item, may do so.
+        """
+        self._check(client, "read", path, now)
+        if not client.user.rights.parts("write"):
+            self._check(client, "write", path, now)
+
+    def check_admin(self, client: Client, now: Now) -> None:
+        """Raises AccessRefused if this user is no administrator."""
+        self._check(client, "admin", WHOLE, now)
+
     def armed(self, client: Client, now: Now) -> None:
         """End a stop, so that users can write again. Raises AccessRefused if this user may not."""
         self.check_arm(client, now)
@@ -214,6 +227,10 @@ class Gate:
     def wrote(self, client: Client, values: dict[str, object], now: Now) -> None:
         """Note what a person wrote."""
         self._log("write", now, client, values=values)
+
+    def note(self, event: str, client: Client, now: Now, **facts: object) -> None:
+        """Note another event of the audit log, which a person caused."""
+        self._log(event, now, client, **facts)
 
     # -- within
 

@@ -16,6 +16,7 @@ from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_socket
 
 from unitylink import Link, connect
+from unitylink.dashboard.extras import Extras
 from unitylink.dashboard.opening import open_dashboard
 from unitylink.dashboard.place import Place
 from unitylink.dashboard.server import Dashboard
@@ -43,7 +44,13 @@ public arm() {
    @faults = 0x35: Flags W1C();
 }
 """
-USERS = {"owner": ["admin"], "ana": ["read", "write j1.*"], "ben": ["read j2.*"], "cem": ["write", "arm"]}
+USERS = {
+    "owner": ["admin"],
+    "ana": ["read", "write j1.*"],
+    "ben": ["read j2.*"],
+    "cem": ["write", "arm"],
+    "dan": ["read"],
+}
 
 
 def tokens() -> Tokens:
@@ -165,6 +172,7 @@ def robot(
     spec: Spec | None = None,
     plant: Plant | None = None,
     options: str = "",
+    extras: Extras | None = None,
     **board: Any,
 ) -> Iterator[Robot]:
     """Serve the dashboard of a virtual board, by default of TEXT. Nothing moves without a plant."""
@@ -176,16 +184,18 @@ def robot(
         served = stack.enter_context(Board(made, configuration=configuration, plant=plant, **board))
         link = stack.enter_context(connect(served.url + options))
         page = stack.enter_context(
-            open_dashboard(link, made, tokens(), log.append, place=place, read_hz=20.0)
+            open_dashboard(link, made, tokens(), log.append, place=place, read_hz=20.0, extras=extras)
         )
         yield Robot(served, link, page, log)
 
 
 @contextmanager
-def simulated(file: Path, plant: str) -> Iterator[Robot]:
+def simulated(file: Path, plant: str, extras: Extras | None = None) -> Iterator[Robot]:
     """Serve the dashboard of a `sim:` link, whose time is that of the robot, however busy the machine is."""
     log: list[str] = []
     with ExitStack() as stack:
         link = stack.enter_context(connect(f"sim:{file}?plant={plant}"))
-        page = stack.enter_context(open_dashboard(link, load(file), tokens(), log.append, read_hz=20.0))
+        page = stack.enter_context(
+            open_dashboard(link, load(file), tokens(), log.append, read_hz=20.0, extras=extras)
+        )
         yield Robot(link.board, link, page, log)

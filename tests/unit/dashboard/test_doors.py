@@ -16,6 +16,7 @@ from unitylink.dashboard import listening
 from unitylink.dashboard.place import Place, read_place
 from unitylink.dashboard.web_app import LOGIN_BURST, LOGINS_HZ
 from unitylink.errors import UnityLinkError
+from unitylink.server.listening import listen
 from unitylink.server.rate_limit import RateLimit
 
 
@@ -162,4 +163,4 @@ def test_places() -> None:
         with pytest.raises(UnityLinkError, match="expected"):
             read_place(wrong)
     with pytest.raises(UnityLinkError, match="--listen"):
-        listening.listen("192.0.2.1", 0)
+        listen("192.0.2.1", 0)

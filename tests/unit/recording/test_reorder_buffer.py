@@ -6,7 +6,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.commands.reorder_buffer import ReorderBuffer
+from unitylink.recording.reorder_buffer import ReorderBuffer
 
 HOLD_S = 1.0
 
