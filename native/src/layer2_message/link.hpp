@@ -176,6 +176,8 @@ class Link {
   // Allows writes again after the dead-man has tripped, and starts it again. If it tripped in the open session, a new
   // session begins.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
+  // Arming does not start the dead-man again. Nothing is sent.
+  void forget_dead_man();
   // Makes the outputs safe now, as the dead-man does. Nothing is sent for the time that this takes: two ticks of the
   // base frequency and 0.4 ms. mismatch: the gateware has no dead-man.
   [[nodiscard]] Outcome trip(const RequestOptions& how);

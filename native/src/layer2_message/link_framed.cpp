@@ -271,6 +271,14 @@ Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
   return outcome;
 }
 
+void Link::forget_dead_man() {
+  const std::scoped_lock lock(mutex_);
+  dead_man_ticks_ = 0;
+  if (framed_) {
+    framed_->stop_signs_of_life();  // else a new session would start it again
+  }
+}
+
 Outcome Link::arm(const RequestOptions& how) {
   Outcome outcome = write_control(protocol::control::arm, 1, how);
   if (outcome.status == Status::denied) {  // it tripped in this session, which may not arm it: another one is needed
@@ -306,13 +314,12 @@ Outcome Link::trip(const RequestOptions& how) {
     if (!outcome.ok() && outcome.status != Status::denied) {
       return outcome;
     }
+    forget_dead_man();    // arming must not start a dead-man of one tick
+    if (!outcome.ok()) {  // denied: it has tripped already
+      return {};
+    }
     {
       const std::scoped_lock lock(mutex_);
-      dead_man_ticks_ = 0;  // arming must not start a dead-man of one tick
-      if (!outcome.ok()) {  // denied: it has tripped already
-        return {};
-      }
-      framed_->stop_signs_of_life();
       silent_until_ns_ = now_ns() + 2 * tick_ns + silence_margin_ns;
     }
     while (now_ns() < silent_until_ns_) {

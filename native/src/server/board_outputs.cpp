@@ -5,6 +5,7 @@
 // another's awake. If one trips, the board's trips. The board has one dead-man, with the shortest limit of all. It
 // watches the server: if the server ends or hangs, it trips by itself.
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "server/board_client.hpp"
@@ -67,7 +68,16 @@ std::uint32_t BoardServer::set_dead_man() {
 std::uint32_t BoardServer::arm() {
   Link& link = upstream_.link();
   link.leave();
-  const Outcome outcome = link.arm({});
+  std::uint32_t state = 0;
+  Outcome outcome = link.read_control(protocol::control::arm, std::span(&state, 1), {});
+  if (outcome.ok() && (state & 1) != 0 &&
+      !tripped_) {  // it tripped by itself: the dead-men of the clients end with that
+    notice_trip();
+    return status::denied;  // as for any session in which it tripped
+  }
+  if (outcome.ok()) {
+    outcome = link.arm({});
+  }
   if (outcome.ok()) {
     tripped_ = false;
     generation_ = link.generation();  // arming may have begun another session, which is no restart
@@ -83,6 +93,7 @@ void BoardServer::notice_trip() noexcept {
   }
   report_.trips += 1;
   board_ticks_ = 0;
+  upstream_.link().forget_dead_man();
   for (const auto& client : clients_) {
     client->session.stop_dead_man();
   }

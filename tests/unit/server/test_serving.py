@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.unit.server.served import REFUSED, Served, served
+from tests.unit.server.served import REFUSED, Served, arm, served
 from unitylink import Link
 from unitylink.errors import (
     AccessRefused,
@@ -26,6 +26,7 @@ from unitylink.errors import (
     UrlError,
 )
 from unitylink.server.metrics import write_metrics
+from unitylink.simulate import Board, BoardConfiguration
 
 
 @pytest.fixture(scope="module")
@@ -225,6 +226,25 @@ def refused_by_dead_man(link: Link) -> bool:
     except DeadManTripped:
         return True
     return False
+
+
+def test_a_board_that_trips_by_itself_is_armed_at_once() -> None:
+    """A tick of this board is so short that it trips before the server does it."""
+    configuration = BoardConfiguration.for_spec(arm(), base_hz=10_000)
+    with (
+        served(Board(arm(), configuration=configuration, endpoint="tcp")) as one,
+        one.link() as ana,
+        one.link() as eva,
+    ):
+        for number in range(1, 6):
+            ana.write(0x1A, number)
+            eva.trip()
+            with pytest.raises(DeadManTripped):
+                ana.write(0x1A, 60)
+            eva.arm()
+            ana.write(0x1A, number)
+            assert one.board.registers[0x1A] == number
+            assert not eva.dead_man().running
 
 
 def test_what_is_no_login_is_turned_away(one: Served) -> None:
