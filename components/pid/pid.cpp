@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "device/component/component.hpp"
+#include "device/component/signed_value.hpp"
 #include "device/component/tick.hpp"
 
 namespace unitylink::device {
@@ -14,16 +15,6 @@ namespace {
 constexpr std::uint32_t gain_bits = 24;
 constexpr Clock look_clocks = 1;    // from the tick to the check of the error
 constexpr Clock work_clocks = 126;  // and to the output
-
-std::int64_t limited(std::int64_t value, std::uint32_t bits) noexcept {
-  const std::int64_t end = std::int64_t{1} << (bits - 1);
-  return std::clamp(value, -end, end - 1);
-}
-
-std::int64_t signed_of(std::uint32_t word, std::uint32_t bits) noexcept {
-  const std::int64_t sign = std::int64_t{1} << (bits - 1);
-  return ((std::int64_t{word} & (2 * sign - 1)) ^ sign) - sign;
-}
 
 class Pid final : public Component {
  public:
@@ -59,7 +50,7 @@ class Pid final : public Component {
     output_word,
     error_word
   };
-  enum Input : std::uint32_t { feedback, target_wire };
+  enum Input : std::uint32_t { feedback, target_wire, velocity_wire, acceleration_wire };
 
   [[nodiscard]] bool enable() const noexcept { return (write_word(control) & 1u) != 0; }
   [[nodiscard]] bool runs() const noexcept { return enable() && !is_tripped_; }
@@ -67,6 +58,12 @@ class Pid final : public Component {
     return write_word(address) & ((1u << gain_bits) - 1);
   }
   [[nodiscard]] std::uint32_t limit_now() const noexcept { return std::min(write_word(limit) & 0x7FFFFFFFu, most_); }
+
+  // What a wire or a register says of the target's motion. A wire that is valid comes first.
+  [[nodiscard]] std::int64_t given(Input input, Register address) const noexcept {
+    return wires_[input].valid ? limited(wrapped(wires_[input].value, 32), gain_bits)
+                               : wrapped(write_word(address), gain_bits);
+  }
 
   [[nodiscard]] Clock next() const noexcept override { return std::min({tick_, look_, give_}); }
 
@@ -109,14 +106,14 @@ class Pid final : public Component {
   void sample(Clock edge) noexcept {
     const std::uint32_t now = wires_[feedback].value;
     const std::uint32_t goal = wires_[target_wire].valid ? wires_[target_wire].value : write_word(target);
-    error_ = signed_of(goal - now, 32);
-    moved_ = fresh_ ? 0 : signed_of(now - before_, 32);
+    error_ = wrapped(goal - now, 32);
+    moved_ = fresh_ ? 0 : wrapped(now - before_, 32);
     before_ = now;
     fresh_ = false;
     lost_ = !wires_[feedback].valid;
     limit_ = limit_now();
-    velocity_ = signed_of(write_word(target_velocity), gain_bits);
-    acceleration_ = signed_of(write_word(target_acceleration), gain_bits);
+    velocity_ = given(velocity_wire, target_velocity);
+    acceleration_ = given(acceleration_wire, target_acceleration);
     if (applies_) {
       for (std::uint32_t number = 0; number < gains_.size(); ++number) {
         gains_[number] = gain(kp + number);
@@ -161,7 +158,7 @@ class Pid final : public Component {
         break;
       case target: word(address, value, edge); break;
       case target_velocity:
-      case target_acceleration: word(address, static_cast<std::uint32_t>(signed_of(value, gain_bits)), edge); break;
+      case target_acceleration: word(address, static_cast<std::uint32_t>(wrapped(value, gain_bits)), edge); break;
       case limit: word(address, limit_now(), edge); break;
       case apply: break;
       default: word(address, gain(address), edge);
@@ -175,7 +172,7 @@ class Pid final : public Component {
   std::uint32_t most_;
   std::int64_t safe_;
   Tick ticks_;
-  std::array<WireValue, 2> wires_{};
+  std::array<WireValue, 4> wires_{};
   std::array<std::int64_t, 5> gains_{};  // kp, ki, kd, kv, ka
   std::uint32_t before_ = 0;             // the feedback of the last period
   std::uint32_t limit_ = 0;

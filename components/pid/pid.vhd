@@ -28,8 +28,9 @@
 -- Safe      While enable is 0 the output is `safe`, and the integral is 0, from the clock after the write on. So 0 is
 --           the safe value of the control word. A loop that trips does the same: its error is too large, or its
 --           feedback is not valid. It stays so until enable rises.
--- Wires     feedback_wire: what is measured. target_wire: while it is valid, it is the target. output_wire is always
---           valid.
+-- Wires     feedback_wire: what is measured. target_wire: while it is valid, it is the target.
+--           target_velocity_wire and target_acceleration_wire are the same for +3 and +4, limited to 24 bits.
+--           output_wire is always valid.
 -- Event     tripped is high for one clock.
 -- Latency   A period begins with the feedback of that clock, and 127 clocks later the output is there. An access takes
 --           2 clocks.
@@ -60,9 +61,11 @@ entity pid is
     wishbone_s2m : out wishbone_s2m_t;
     tripped      : out std_ulogic;
 
-    feedback_wire : in  wire_t := no_wire;
-    target_wire   : in  wire_t := no_wire;
-    output_wire   : out wire_t
+    feedback_wire            : in  wire_t := no_wire;
+    target_wire              : in  wire_t := no_wire;
+    target_velocity_wire     : in  wire_t := no_wire;
+    target_acceleration_wire : in  wire_t := no_wire;
+    output_wire              : out wire_t
   );
 end entity;
 
@@ -90,19 +93,6 @@ architecture rtl of pid is
 
   constant ki : natural := terms;
 
-  -- A value in fewer bits: too large a one becomes the largest.
-  function limited (value : signed; to_bits : positive) return signed is
-    constant whole : signed(value'length - 1 downto 0) := value;
-    variable found : signed(to_bits - 1 downto 0);
-  begin
-    found := whole(to_bits - 1 downto 0);
-    if resize(found, whole'length) /= whole then
-      found := (others => not whole(whole'high));
-      found(found'high) := whole(whole'high);
-    end if;
-    return found;
-  end function;
-
   -- Too large a limit is the largest.
   function limit_of (word : word_t) return limit_t is
   begin
@@ -110,6 +100,15 @@ architecture rtl of pid is
       return most;
     end if;
     return unsigned(word(limit_t'range));
+  end function;
+
+  -- What a wire or a register says of the target's motion. A wire that is valid comes first.
+  function given (wire : wire_t; word : word_t) return term_t is
+  begin
+    if is_valid(wire) = '1' then
+      return resize(limited(value_of(wire), gain_bits), term_t'length);
+    end if;
+    return resize(signed(word(gain_bits - 1 downto 0)), term_t'length);
   end function;
 
   constant first : word_vector_t(0 to 15) :=
@@ -221,8 +220,8 @@ begin
               moved <= (others => '0');
             end if;
             fresh <= '0';
-            operands(2) <= resize(signed(write_words(3)(gain_bits - 1 downto 0)), term_t'length);
-            operands(3) <= resize(signed(write_words(4)(gain_bits - 1 downto 0)), term_t'length);
+            operands(2) <= given(target_velocity_wire, write_words(3));
+            operands(3) <= given(target_acceleration_wire, write_words(4));
             if applies = '1' then
               gains   <= (unsigned(write_words(5)(gain_t'range)), unsigned(write_words(7)(gain_t'range)),
                           unsigned(write_words(8)(gain_t'range)), unsigned(write_words(9)(gain_t'range)),

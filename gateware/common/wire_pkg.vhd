@@ -23,6 +23,9 @@ package wire_pkg is
   function is_valid (wire : wire_t) return std_ulogic;
   function value_of (wire : wire_t) return signed;
 
+  -- A value in fewer bits: too large a one becomes the largest.
+  function limited (value : signed; to_bits : positive) return signed;
+
 end package;
 
 package body wire_pkg is
@@ -40,6 +43,18 @@ package body wire_pkg is
   function value_of (wire : wire_t) return signed is
   begin
     return signed(wire(wire_bits - 2 downto 0));
+  end function;
+
+  function limited (value : signed; to_bits : positive) return signed is
+    constant whole : signed(value'length - 1 downto 0) := value;
+    variable found : signed(to_bits - 1 downto 0);
+  begin
+    found := whole(to_bits - 1 downto 0);
+    if resize(found, whole'length) /= whole then
+      found := (others => not whole(whole'high));
+      found(found'high) := whole(whole'high);
+    end if;
+    return found;
   end function;
 
 end package body;

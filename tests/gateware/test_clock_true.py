@@ -63,6 +63,12 @@ PID = {
     10: (3, 100, 4095, 1 << 20),
     11: (0, 0, 0, 0xFFFFFF),
 }
+PROFILE = {
+    0: (*[1] * 9, 0),
+    2: (0, 5, 90, 300, 400, -3 & 0xFFFFFFFF, 0x80000000),
+    3: (1 << 24, 1 << 26, 1 << 27, 0xFFFFFFFF, 0),
+    4: (1 << 20, 1 << 22, 1 << 23, 0xFFFFFF),
+}
 CASES = {
     "stepgen": (
         Case(
@@ -205,6 +211,29 @@ CASES = {
             quiet=9000,
         ),
     ),
+    "motion_profile": (
+        Case(
+            "feedback=from.position, output=other.target, loop_hz=2000000",
+            PROFILE,
+            pause=3000,
+            quiet=2000,
+            first={0: 1, 3: 1 << 26, 4: 1 << 22},
+            still=range(9, 32),
+            clocks=60_000,
+            clock_hz=50_000_000,
+        ),
+        Case(
+            "from.position, other.target, other.target_velocity, other.target_acceleration, loop_hz=380000, "
+            "smooth_bits=3",
+            PROFILE,
+            pause=9000,
+            quiet=900,
+            first={0: 1, 3: 1 << 26, 4: 1 << 22},
+            still=range(9, 32),
+            clocks=160_000,
+            clock_hz=50_000_000,
+        ),
+    ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),
         Case("filter_ns=0, with_index=1", pause=2000, wait=34),
@@ -218,7 +247,7 @@ CASES = {
 # Components to which wires lead.
 OTHERS = (
     "from: quadrature_encoder(); to: h_bridge(); second: h_bridge(); "
-    "other: pid(feedback=from.position, output=second.duty, loop_hz=2000);"
+    "other: pid(feedback=from.position, output=second.duty, loop_hz=380000);"
 )
 
 
@@ -312,6 +341,10 @@ FAULTS = [
     ),
     ("dshot", 1, "(and frame(15 downto 4)) = '1'", "(and frame(15 downto 5)) = '1'"),
     ("dshot", 1, "timer < heard_clocks", "true"),
+    ("motion_profile", 0, "brake <= brake - speed;", "null;"),
+    ("motion_profile", 0, "moves   <= '0';", "null;"),
+    ("motion_profile", 0, "          ramp <= unsigned(write_words(3)(ramp_t'range));", "          null;"),
+    ("motion_profile", 1, "change <= resize(step, change'length) - old;", "null;"),
     ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
     ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
     ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),

@@ -87,6 +87,10 @@ def test_pid(ghdl: Any) -> None:
     ghdl.run("pid_tb")
 
 
+def test_motion_profile(ghdl: Any) -> None:
+    ghdl.run("motion_profile_tb")
+
+
 def test_stepgen(ghdl: Any) -> None:
     ghdl.run("stepgen_tb")
 

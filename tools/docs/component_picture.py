@@ -24,7 +24,7 @@ Place = Callable[[float], float]  # from a time in us to a place in pixels
 def component_picture(folder: Path, played: Sequence[Played]) -> str:
     """Return the SVG of a component."""
     one = configuration(folder)
-    ports = [*one.pins, *((port, way, 32) for port, way in one.wires)]
+    ports = [*one.pins, *((port, way, 0) for port, way in one.wires)]  # a wire is one value
     inputs = [(port, bits) for port, way, bits in ports if way == "in"]
     outputs = [(port, bits) for port, way, bits in ports if way == "out"]
     rows = max(len(inputs), len(outputs) + len(one.events))

@@ -112,8 +112,13 @@ GENERIC = re.compile(r"^ +(\w+) +:", re.MULTILINE)
 
 @pytest.mark.parametrize("name", component_names())
 def test_library_agrees_with_the_vhdl(name: str) -> None:
-    ends = "feedback=shaft.position, output=motor.duty" if name == "pid" else ""
-    others = "motor: h_bridge(); shaft: quadrature_encoder();"
+    ends = {
+        "pid": "shaft.position, motor.duty",
+        "motion_profile": "shaft.position, loop.target, loop.target_velocity, loop.target_acceleration",
+    }.get(name, "")
+    others = "motor: h_bridge(); shaft: quadrature_encoder(); "
+    if name == "motion_profile":
+        others += "loop: pid(shaft.position, motor.duty);"
     spec = clean(f"public a() {{ {others} part: {name}({ends}); }}")
     component = spec.root().instances[-1].component
     assert component is not None

@@ -92,6 +92,25 @@ def test_what_does_not_fit_is_refused_where_it_is_used(loop: str, code: str, say
     assert text[found[0].span.start :].startswith(("pid", "s", "later", "m", "3"))
 
 
+def test_a_wire_may_be_left_out() -> None:
+    loop = f"{PARTS} l: pid(feedback=s.position, output=m.duty);"
+    for given in ("", ", none", ", velocity=none"):
+        spec = clean(f"public a() {{ {loop} p: motion_profile(s.position, l.target{given}); }}")
+        profile = components_of(spec, 50_000_000)[-1]
+        assert ("position_wire", "out") in profile.wires
+        assert components_of(spec, 50_000_000)[2].connections == ((0, 1, 0), (1, 3, 0))
+    spec = clean(f"public a() {{ {loop} p: motion_profile(s.position, l.target, l.target_velocity); }}")
+    assert components_of(spec, 50_000_000)[2].connections == ((0, 1, 0), (1, 3, 0), (2, 3, 1))
+
+
+def test_a_profile_and_its_loop_have_one_period() -> None:
+    path = "p: motion_profile(s.position, l.target, l.target_velocity, l.target_acceleration"
+    loop = f"{PARTS} l: pid(feedback=s.position, output=m.duty, loop_hz=10000);"
+    clean(f"public a() {{ {loop} {path}, loop_hz=10000); }}")
+    found = compile_text(f"public a() {{ {loop} {path}); }}", "robot.ul").diagnostics
+    assert [one.code for one in found] == ["UL049"] and found[0].message.startswith("`velocity` is")
+
+
 def test_an_input_has_one_wire() -> None:
     text = (
         f"public a() {{ {PARTS} l: pid(feedback=s.position, output=m.duty);"

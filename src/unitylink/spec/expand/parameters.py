@@ -59,6 +59,7 @@ class Parameters:
         values: dict[str, Value] = {}
         for parameter, argument in matched(callee.node.parameters, node.arguments):
             is_wire = parameter.type is not None and parameter.type.text == "wire"
+            is_wire = is_wire and not self.evaluator.is_missing(argument, names)
             value = (
                 self.wires.find(argument, found, names)
                 if is_wire

@@ -128,6 +128,14 @@ def component(
             and len(texts) == 2
             and texts[1] in ("in", "out")
             and len(node.arguments) == 3
+            and evaluator.is_missing(node.arguments[2], names)
+        ):
+            wires.append((texts[0], texts[1], ""))  # the port is open
+        elif (
+            kind == "wire"
+            and len(texts) == 2
+            and texts[1] in ("in", "out")
+            and len(node.arguments) == 3
             and (wire := evaluator.wire(node.arguments[2], names)) is not None
         ):
             port, direction = texts
