@@ -23,6 +23,8 @@ package instruction_pkg is
   subtype instruction_t is std_ulogic_vector(58 downto 0);
   subtype position_t is unsigned(8 downto 0);  -- of an instruction
 
+  type program_t is array (natural range <>) of instruction_t;
+
   subtype following_f is natural range 8 downto 0;
   subtype target_f    is natural range 17 downto 9;
   subtype number_f    is natural range 25 downto 18;

@@ -13,15 +13,15 @@ library ieee;
 use work.application_pkg.all;
 use work.datalink_pkg.all;
 use work.instruction_pkg.all;
+use work.program_sharing_pkg.all;
 use work.protocol_pkg.all;
 
 package program_pkg is
 
-  type program_t is array (natural range <>) of instruction_t;
-
   constant first_of_commands : natural := 32;
 
-  -- The program. Its length is a power of two, at most 512.
+  -- The program. Its length is a power of two, at most 512. Where it has more than 256 instructions, equal ones share a
+  -- place.
   function program_for(
     address_bytes, data_bytes, most_words, publish_mode, base_hz, groups, group_size, rate_bytes, mask_bytes : natural;
     whole_requests : boolean)
@@ -43,12 +43,26 @@ package body program_pkg is
     return bytes;
   end function;
 
+  -- The program with as many places as a block RAM has.
+  function padded(program : program_t) return program_t is
+    variable size : positive            := 128;
+    variable code : program_t(0 to 511) := (others => nothing_done);
+  begin
+    while size < program'length loop
+      size := 2 * size;
+    end loop;
+    code(0 to program'length - 1) := program;
+    return code(0 to size - 1);
+  end function;
+
   function program_for(
     address_bytes, data_bytes, most_words, publish_mode, base_hz, groups, group_size, rate_bytes, mask_bytes : natural;
     whole_requests : boolean)
     return program_t is
 
     constant never        : natural := 0;
+    constant fixed        : positions_t(0 to 511) := (
+      0 to position_silent | first_of_commands to first_of_commands + 31 => true, others => false);
     constant take_address : instruction_t := act(do_take) or act(do_shift_address);
     constant acts         : instruction_t := take_address or act(do_shift_data) or act(do_count) or
       act(do_load_address) or act(do_load_count) or act(do_load_group) or act(do_read) or act(do_write) or
@@ -58,7 +72,6 @@ package body program_pkg is
     variable free : natural := 4;                       -- the first free position
     variable here : natural := 0;                       -- position of the next instruction
     variable last : natural := 0;                       -- position of the last instruction
-    variable size : positive;
 
     -- Routines to which other routines lead.
     variable finish, last_word, missing_address, missing_data, invalid_block_size, invalid_group, invalid_group_size,
@@ -414,11 +427,10 @@ package body program_pkg is
         report "program_for: an instruction that loads must not wait" severity failure;
     end loop;
 
-    size := 128;
-    while size < free loop
-      size := 2 * size;
-    end loop;
-    return code(0 to size - 1);
+    if free > 256 then
+      return padded(with_shared_places(code(0 to free - 1), fixed(0 to free - 1)));
+    end if;
+    return padded(code(0 to free - 1));
   end function;
 
 end package body;

@@ -38,6 +38,7 @@ BENCHES: list[tuple[str, dict[str, Any]]] = [
     ("application_tb", {"publish_mode": 2, "stalls": 60}),
     ("application_tb", {"publish_mode": 1}),
     ("application_tb", {"publish_mode": 0}),
+    ("program_sharing_tb", {"seed": 1}),
     ("wishbone_master_tb", {}),
     ("wishbone_memory_tb", {"words": 24, "data_width": 32}),
     ("wishbone_memory_tb", {"words": 256, "data_width": 16}),

@@ -23,6 +23,7 @@ ENDS_BY_ITSELF = {
     "fifo_publish_tb": "at its last clock",
     "frame_timing_tb": "it has no clock",
     "lockstep_tb": "at the end of its file",
+    "program_sharing_tb": "it has no clock",
     "rate_pkg_tb": "it has no clock",
     "replay_tb": "at the end of its file, and each step has its own limit",
 }

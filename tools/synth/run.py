@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -34,6 +35,13 @@ CLOCK_LEAST = 0.95
 PEERS = {  # the gateware of 2012 in the same flow: cells and MHz on iCE40, cells and MHz on ECP5
     "core": ((2182, 57.2), (3095, 76.1)),
     "no_publishing": ((1670, 51.4), (2535, 77.8)),
+}
+# What the goals were set for, on 22 November 2026, in the same flow: cells, block RAMs and MHz on each chip.
+BEFORE = {
+    "framed_minimal": ((1327, 14, 63.6), (1686, 6, 50.1)),
+    "framed": ((1891, 22, 55.4), (2499, 7, 46.0)),
+    "hello_led": ((1602, 22, 85.0), (1824, 6, 76.7)),
+    "servo": ((2869, 22, 73.7), (3313, 6, 78.3)),
 }
 
 Figures = dict[str, dict[str, Any]]
@@ -103,7 +111,8 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "register to register, with the range in parentheses. With several clocks it is the slowest.",
         "",
         "- `core` is measured alone: its byte streams and its bus are on pins, without a physical layer.",
-        "- `hello_led` and `servo` are complete designs.",
+        "- `hello_led`, `servo` and `scara` are complete designs. `scara` has TosNet.",
+        "- `wishbone_interconnect` is not here: it has no register, so there is no clock to measure.",
         "- The bus entities have addresses of 8 bits, because a chip has no more pins.",
         "- 2012 is the original Unity-Link gateware of that year in the same flow.",
         "",
@@ -136,7 +145,33 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
                 f"| {f['memories']} | {f['mhz']} ({low} to {high}) | {old} "
                 f"| {limits(row) if chip is ICE40 else ''} |"
             )
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_progress(figures)]) + "\n"
+
+
+def _progress(figures: dict[str, Figures]) -> list[str]:
+    """Return the lines that have the first figures of a row beside those of the record."""
+    names = [f"{chip.name} {when}" for chip in CHIPS.values() for when in ("before", "now")]
+    lines = [
+        "",
+        "## Before and now",
+        "",
+        "Before is 22 November 2026, when the goals were set: the gateware of that day in the same flow.",
+        "Each field has cells, block RAMs and MHz. The dead-man of that day was part of the program.",
+        "",
+        f"| | {' | '.join(names)} |",
+        "|---|" + "---|" * len(names),
+    ]
+    for row, before in BEFORE.items():
+        fields = []
+        for chip, old in zip(CHIPS, before, strict=True):
+            now = figures.get(row, {}).get(chip)
+            fields += [_of(old), _of(now and (now["cells"], now["memories"], now["mhz"]))]
+        lines.append(f"| `{row}` | {' | '.join(fields)} |")
+    return lines
+
+
+def _of(figures: Sequence[float] | None) -> str:
+    return ", ".join(map(str, figures)) if figures else "not measured"
 
 
 def main() -> int:

@@ -64,7 +64,7 @@ ROWS = (
     Row("no_checksum", "checksum none", settings={"checksum": "none"}),
     Row("lite", "datalink lite", settings={"datalink": "lite"}),
     Row("none", "datalink none", settings={"datalink": "none"}),
-    Row("address_16", "16-bit address", settings={"address_bits": 16}),
+    Row("address_16", "16-bit address", settings={"address_bits": 16}, memories_most=12),
     Row("data_8", "8-bit data", settings={"data_bits": 8}),
     Row(
         "smallest",
@@ -158,9 +158,45 @@ ROWS = (
         top="servo_top",
         example="servo",
     ),
+    # Placed once.
+    Row(
+        "scara",
+        "a complete design, framed: the SCARA of the paper with its TosNet, placed once (examples/scara)",
+        top="narrow_scara_top",
+        example="scara",
+        protocol="framed",
+        seeds=SEEDS[:1],
+    ),
+    Row(
+        "wishbone_master",
+        "the bus: from the application to Wishbone, addresses of 8 bits",
+        top="narrow_wishbone_master",
+        seeds=SEEDS[:1],
+    ),
+    Row(
+        "axi_lite_master",
+        "the same: to AXI4-Lite",
+        top="narrow_axi_lite_master",
+        seeds=SEEDS[:1],
+    ),
+    Row(
+        "register_slave",
+        "the same: a slave with a word to the PC and a word from it",
+        top="narrow_register_slave",
+        seeds=SEEDS[:1],
+    ),
+    Row("wishbone_memory", "the same: a memory of 256 words", top="wishbone_memory", seeds=SEEDS[:1]),
+    Row("fifo_slave", "the same: a FIFO of 16 words each way", top="fifo_slave", seeds=SEEDS[:1]),
+    Row(
+        "double_buffer_slave",
+        "the same: a table of 16 words with a commit",
+        top="double_buffer_slave",
+        seeds=SEEDS[:1],
+    ),
+    Row("interrupt_slave", "the same: interrupts of eight lines", top="interrupt_slave", seeds=SEEDS[:1]),
     Row(
         "axi_lite_slave",
-        "the bus: AXI4-Lite to Wishbone, addresses of 8 bits",
+        "the same: AXI4-Lite to Wishbone",
         top="narrow_axi_lite_slave",
         seeds=SEEDS[:1],
     ),
@@ -244,4 +280,7 @@ ROWS = (
         cells_most=300,
         mhz_least=50.0,
     ),
+    Row("gpio", "a component: eight pins", top="gpio", seeds=SEEDS[:1]),
+    Row("i2c_device", "a component: sets a device on I2C up and reads it, by a table", top="i2c_device"),
+    Row("pid", "a component: a control loop between wires", top="narrow_pid"),
 )
