@@ -167,6 +167,16 @@ ROWS = (
         protocol="framed",
         seeds=SEEDS[:1],
     ),
+    # Both together need more block RAM than an iCE40 has.
+    Row(
+        "scara_both",
+        "the same, both protocols",
+        top="narrow_scara_top",
+        example="scara",
+        protocol="both",
+        chips=("ecp5",),
+        seeds=SEEDS[:1],
+    ),
     Row(
         "wishbone_master",
         "the bus: from the application to Wishbone, addresses of 8 bits",
