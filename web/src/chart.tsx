@@ -78,13 +78,19 @@ export function Chart({ layout }: { layout: Layout }) {
       }));
     } else {
       const followed = shown.map((item) => ({ item, ...follow(item.number, step_s, now_s() - window_s - step_s) }));
+      let seen = true; // on the screen, and not scrolled away
       const redraw = once(() => {
         const end_s = now_s() - SLACK_S;
         for (const { series } of followed) series.trim(end_s - window_s - 2 * step_s);
-        draw(followed, end_s - window_s, end_s);
+        if (seen) draw(followed, end_s - window_s, end_s);
       });
+      const watch = new IntersectionObserver((changes) => {
+        seen = changes[changes.length - 1]?.isIntersecting ?? true;
+      });
+      watch.observe(place.current);
       drawn.add(redraw.soon);
-      ends.push(redraw.end, () => drawn.delete(redraw.soon), ...followed.map(({ leave }) => leave));
+      ends.push(redraw.end, () => watch.disconnect(), () => drawn.delete(redraw.soon));
+      ends.push(...followed.map(({ leave }) => leave));
     }
     return () => ends.reverse().forEach((end) => end());
   }, [key, window_s, width, frozen?.begin_s, frozen?.end_s, scheme, replayed]);
