@@ -40,7 +40,10 @@ RUN_TIME = {
     "all": "optional",
     "ros2": "optional",
 }  # locks of extras; "build" holds the library's own dependencies
-DYNAMIC = {"libusb-1.0-0": "ftdi: links, loaded when one is opened"}
+DYNAMIC = {
+    "libusb-1.0-0": "ftdi: links, loaded when one is opened",
+    "libssl3": "TLS of a server and of serve:// links, loaded when it is asked for",
+}
 _NAME = re.compile(r"[A-Za-z0-9._-]+")
 _NEED = re.compile(r'^\s*need (?:"[^"]*"|\S+) (\S+) ', re.MULTILINE)
 _ORDER = ("required", "optional", "excluded")

@@ -214,6 +214,7 @@ system)
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need mosquitto mosquitto eval 'PATH=$PATH:/usr/sbin command -v mosquitto'   # the broker of the tests of MQTT
+  need openssl openssl command -v openssl                              # makes the certificates of the tests of TLS
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need_ros
   need_doctest

@@ -50,6 +50,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "record": ("record", "Record items to MCAP or CSV."),
     "bridge": ("bridge", "Put a robot on the topics of ROS 1 or ROS 2."),
     "token": ("token", "Make a token for a user of a server."),
+    "status": ("status", "Show who is at a server, and who may write."),
+    "lease": ("lease", "Ask for the right to write at a server, give it, or take it."),
     "replay": ("replay", "Serve a recording as a device."),
     "discover": ("discover", "List the ports of this machine, and what answers on them."),
     "doctor": ("doctor", "Find what keeps you from a board, and the remedy."),

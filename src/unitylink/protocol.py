@@ -271,6 +271,8 @@ CONTROL_VALUE_FEATURE_LONG_FRAMES: Final = 32
 
 SERVE_VERSION: Final = 1
 SERVE_GREETING: Final = "unitylink-serve"
+SERVE_ASKING: Final = "ask"
+SERVE_QUESTION_MAX: Final = 512
 SERVE_ADMITTED: Final = "admitted"
 SERVE_REFUSED: Final = "refused"
 SERVE_LOGIN_MAX: Final = 512

@@ -330,6 +330,8 @@ inline constexpr std::uint32_t feature_long_frames = 32;
 namespace serve {
 inline constexpr std::uint32_t version = 1;
 inline constexpr std::string_view greeting = "unitylink-serve";
+inline constexpr std::string_view asking = "ask";
+inline constexpr std::uint32_t question_max = 512;
 inline constexpr std::string_view admitted = "admitted";
 inline constexpr std::string_view refused = "refused";
 inline constexpr std::uint32_t login_max = 512;

@@ -43,7 +43,9 @@ std::string Login::line() const {
              .append(" ")
              .append(shown(board))
              .append(" ")
-             .append(shown(token)) +
+             .append(shown(token))
+             .append(asks ? " " : "")
+             .append(asks ? protocol::serve::asking : "") +
          "\n";
 }
 
@@ -57,7 +59,11 @@ std::optional<Login> Login::parse(std::string_view line) {
   if (version.empty() || error != std::errc{} || end != version.data() + version.size()) {
     return std::nullopt;
   }
-  if (!word_or_none(next_word(line), login.board) || !word_or_none(line, login.token)) {
+  if (!word_or_none(next_word(line), login.board) || !word_or_none(next_word(line), login.token)) {
+    return std::nullopt;
+  }
+  login.asks = line == protocol::serve::asking;
+  if (!line.empty() && !login.asks) {
     return std::nullopt;
   }
   return login;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The login at `unitylink serve`: one line each way, before the framed protocol begins.
-//   unitylink-serve 1 BOARD TOKEN     from the client; "-": none
-//   admitted TEXT                     from the server
+//   unitylink-serve 1 BOARD TOKEN [ask]   from the client; "-": none
+//   admitted TEXT                         from the server
 //   refused REASON TEXT
+// With `ask` no frames follow, but one line with a question, and one with its answer, in JSON (serve_question.hpp).
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@ struct Login {
   std::uint32_t version = 0;
   std::string board;  // empty: the only one of the server
   std::string token;  // empty: none
+  bool asks = false;  // it has a question about the board, and does not want to use it
 
   // The line, with its end. Board and token must be words (see is_word) or empty.
   [[nodiscard]] std::string line() const;

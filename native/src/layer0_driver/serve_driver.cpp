@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // serve://HOST:PORT/BOARD is a board behind `unitylink serve`. It is TCP, with a login at its beginning. The token is
-// in a file (token_file=) or in UNITYLINK_TOKEN, never in the URL, because URLs are printed.
+// in a file (token_file=) or in UNITYLINK_TOKEN, never in the URL, because URLs are printed. With tls_ca= all of it is
+// encrypted, and the server shows a certificate; with tls_cert= (and tls_key=) the client shows its own.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -9,6 +10,8 @@
 #include "layer0_driver/driver.hpp"
 #include "layer0_driver/login.hpp"
 #include "layer0_driver/polling.hpp"
+#include "layer0_driver/serve_question.hpp"
+#include "layer0_driver/tls_driver.hpp"
 #include "unitylink/protocol.hpp"
 
 namespace unitylink {
@@ -52,12 +55,59 @@ bool ready(int descriptor, short what, int cancelled, std::uint64_t until_ns) no
   return now < until_ns && poll_for(waiting, until_ns - now) > 0 && waiting[1].revents == 0;
 }
 
-}  // namespace
+// Puts TLS over the connection, if the URL wants it.
+Outcome encrypt(const Url& url, int cancelled, std::uint64_t until_ns, std::unique_ptr<Driver>& driver) {
+  const auto option = [&](const char* name) { return url.option(name) ? *url.option(name) : std::string(); };
+  const tls::Files files{.certificate = option("tls_cert"), .key = option("tls_key"), .authorities = option("tls_ca")};
+  if (files.authorities.empty()) {
+    return files.certificate.empty() && files.key.empty()
+               ? Outcome{}
+               : wrong_url(url, "tls_cert and tls_key need tls_ca=FILE, the certificate that has signed the server's");
+  }
+  if (files.certificate.empty() && !files.key.empty()) {
+    return wrong_url(url, "tls_key needs tls_cert=FILE, the certificate of this key");
+  }
+  std::shared_ptr<const tls::Side> side;
+  if (Outcome outcome = tls::Side::make(tls::Role::client, files, side); !outcome.ok()) {
+    return {outcome.status, place_of(url) + ": " + outcome.text};
+  }
+  auto over = std::make_unique<tls::TlsDriver>(std::move(driver), std::move(side), url.host);
+  while (true) {
+    const tls::Progress progress = over->shake();
+    if (progress == tls::Progress::done) {
+      driver = std::move(over);
+      return {};
+    }
+    if (progress == tls::Progress::failed) {
+      return {over->distrusted() ? Status::mismatch : Status::closed,
+              place_of(url) + ": " + over->reason() +
+                  (over->distrusted() ? "; is tls_ca= right, and the name of the host?"
+                                      : "; does the server have --tls-cert?")};
+    }
+    if (!ready(over->descriptor(), progress == tls::Progress::reads ? POLLIN : POLLOUT, cancelled, until_ns)) {
+      return {Status::timeout, place_of(url) + ": TLS does not begin; does the server have --tls-cert?"};
+    }
+  }
+}
 
-// Errors: those of tcp, and refused (the token is wrong), not_found (no such board), busy (too many clients),
-// closed (the board is away), mismatch (no server, or another version).
-Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
-  Login login{.version = protocol::serve::version, .board = url.path, .token = {}};
+// Sends all of a text. False: not in time, or the connection has ended.
+bool say(Driver& driver, std::string_view text, int cancelled, std::uint64_t until_ns) noexcept {
+  for (std::size_t sent = 0; sent < text.size();) {
+    const Transfer transfer =
+        driver.send(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()).subspan(sent));
+    sent += transfer.count;
+    if (transfer.status != Status::ok ||
+        (transfer.count == 0 && !ready(driver.descriptor(), POLLOUT, cancelled, until_ns))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Connects and logs in. Errors: see open_serve().
+Outcome log_in(const Url& url, const Patience& patience, bool asks, std::uint64_t until_ns,
+               std::unique_ptr<Driver>& driver) {
+  Login login{.version = protocol::serve::version, .board = url.path, .token = {}, .asks = asks};
   if (!url.path.empty() && !is_word(url.path)) {
     return wrong_url(url, "'" + url.path + "' is not the name of a board; see what `unitylink serve` has printed");
   }
@@ -68,19 +118,15 @@ Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Dri
   if (line.size() > protocol::serve::login_max) {
     return {Status::refused, place_of(url) + ": the token or the name of the board is too long"};
   }
-  const std::uint64_t until_ns = real_ns() + patience.timeout_ns;
   std::unique_ptr<Driver> opened;
   if (Outcome outcome = open_socket(url, patience, opened); !outcome.ok()) {
     return outcome;
   }
-  for (std::size_t sent = 0; sent < line.size();) {
-    const Transfer transfer =
-        opened->send(std::span(reinterpret_cast<const std::uint8_t*>(line.data()), line.size()).subspan(sent));
-    sent += transfer.count;
-    if (transfer.status != Status::ok ||
-        (transfer.count == 0 && !ready(opened->descriptor(), POLLOUT, patience.cancelled, until_ns))) {
-      return {Status::timeout, place_of(url) + ": the server does not take the login"};
-    }
+  if (Outcome outcome = encrypt(url, patience.cancelled, until_ns, opened); !outcome.ok()) {
+    return outcome;
+  }
+  if (!say(*opened, line, patience.cancelled, until_ns)) {
+    return {Status::timeout, place_of(url) + ": the server does not take the login"};
   }
   std::string answer;
   std::array<std::uint8_t, protocol::serve::login_max> room;
@@ -90,7 +136,8 @@ Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Dri
     }
     const Transfer transfer = opened->receive(std::span(room).first(room.size() - answer.size()));
     if (transfer.status != Status::ok) {
-      return {Status::closed, place_of(url) + ": the server closed the connection during the login"};
+      return {Status::closed,
+              place_of(url) + ": the server ended the connection during the login: " + opened->reason()};
     }
     answer.append(reinterpret_cast<const char*>(room.data()), transfer.count);
     if (answer.size() >= room.size() && answer.find('\n') == std::string::npos) {
@@ -108,6 +155,38 @@ Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Dri
     return {status_of_refusal(told->reason), place_of(url) + ": " + told->text};
   }
   driver = std::move(opened);
+  return {};
+}
+
+}  // namespace
+
+// Errors: those of tcp, and refused (the token is wrong), not_found (no such board), busy (too many clients),
+// closed (the board is away), mismatch (no server, another version, or a certificate that is not trusted).
+Outcome open_serve(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
+  return log_in(url, patience, false, real_ns() + patience.timeout_ns, driver);
+}
+
+Outcome ask_server(const Url& url, const Patience& patience, const std::string& question, std::string& answer) {
+  const std::uint64_t until_ns = real_ns() + patience.timeout_ns;
+  std::unique_ptr<Driver> driver;
+  if (Outcome outcome = log_in(url, patience, true, until_ns, driver); !outcome.ok()) {
+    return outcome;
+  }
+  if (!say(*driver, question + "\n", patience.cancelled, until_ns)) {
+    return {Status::timeout, place_of(url) + ": the server does not take the question"};
+  }
+  answer.clear();
+  std::vector<std::uint8_t> room(tls::Session::all_bytes);
+  while (!answer.ends_with('\n')) {
+    if (!ready(driver->descriptor(), POLLIN, patience.cancelled, until_ns)) {
+      return {Status::timeout, place_of(url) + ": the server does not answer the question"};
+    }
+    const Transfer transfer = driver->receive(room);
+    if (transfer.status != Status::ok) {
+      return {Status::closed, place_of(url) + ": the server does not answer the question: " + driver->reason()};
+    }
+    answer.append(reinterpret_cast<const char*>(room.data()), transfer.count);
+  }
   return {};
 }
 

@@ -62,6 +62,8 @@ class Engine {
   // The bytes to send now. After sending, the caller tells by sent() how many were sent.
   [[nodiscard]] virtual std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept = 0;
   virtual void sent(std::size_t bytes) noexcept = 0;
+  // Requests that transmit() has not reached yet.
+  [[nodiscard]] virtual std::size_t backlog() const noexcept { return 0; }
   // Does what is due by now, such as timeouts. Call it at next_deadline_ns() at the latest.
   virtual void advance(std::uint64_t now_ns) noexcept = 0;
   [[nodiscard]] virtual std::uint64_t next_deadline_ns() const noexcept = 0;

@@ -112,6 +112,14 @@ void FramedEngine::sent(std::size_t bytes) noexcept {
   last_sent_ns_ = now_ns_;
 }
 
+std::size_t FramedEngine::backlog() const noexcept {
+  std::size_t count = 0;
+  for (const Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
+    count += 1;
+  }
+  return count;
+}
+
 void FramedEngine::encode_greeting() noexcept {
   const std::span<std::uint8_t> space = room();
   if (space.size() < 64) {

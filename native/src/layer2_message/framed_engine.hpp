@@ -65,6 +65,7 @@ class FramedEngine final : public Engine {
   void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept override;
   [[nodiscard]] std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept override;
   void sent(std::size_t bytes) noexcept override;
+  [[nodiscard]] std::size_t backlog() const noexcept override;
   void advance(std::uint64_t now_ns) noexcept override;
   [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept override;
   void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;

@@ -255,6 +255,9 @@ class Link {
   //
   // Adds a request. It is sent in the next call of attend(). `on_done` is called in the thread that reads.
   void enqueue(Exchange& exchange);
+  // How many requests are queued and not sent yet. push() sends what the line takes now.
+  [[nodiscard]] std::size_t backlog();
+  void push();
   // Sends what is queued. Waits for the device, for `other` to be readable, or until `until_ns`. `looking`: answers are
   // expected, so it looks before it sleeps. False: the line is gone, or the link has ended.
   bool attend(int other, std::uint64_t until_ns, bool looking);

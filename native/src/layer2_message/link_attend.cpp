@@ -24,6 +24,16 @@ void Link::enqueue(Exchange& exchange) {
   }
 }
 
+std::size_t Link::backlog() {
+  const std::scoped_lock lock(mutex_);
+  return engine_->backlog();
+}
+
+void Link::push() {
+  const std::scoped_lock lock(mutex_);
+  flush(now_ns());
+}
+
 bool Link::attend(int other, std::uint64_t until_ns, bool looking) {
   Lock lock(mutex_);
   if (!attended_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A client of a board server: its socket and its session. Only the files of BoardServer use it.
+// A client of a board server: its connection and its session. Only the files of BoardServer use it.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 namespace unitylink::server {
 
 struct BoardServer::Client {
-  Client(Host& host, Descriptor taken, std::string called, Grant grant, std::uint64_t number)
-      : socket(std::move(taken)),
+  Client(Host& host, Connection taken, std::string called, Grant grant, std::uint64_t number, std::uint64_t now_ns)
+      : connection(std::move(taken)),
         name(std::move(called)),
         id(number),
         since_ns(real_ns()),
-        session(host, std::move(grant), static_cast<std::uint16_t>(std::random_device()())) {}
+        session(host, std::move(grant), static_cast<std::uint16_t>(std::random_device()()), now_ns) {}
 
-  Descriptor socket;
+  Connection connection;
   std::string name;
   std::uint64_t id;
   std::uint64_t since_ns;

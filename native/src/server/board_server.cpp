@@ -21,8 +21,8 @@ constexpr std::uint64_t look_most_ns = 1'000'000'000;
 
 }  // namespace
 
-BoardServer::BoardServer(Link& link)
-    : facts_{link.configuration(), link.description()},
+BoardServer::BoardServer(Link& link, Addresses plain)
+    : facts_{link.configuration(), link.description(), std::move(plain)},
       upstream_(link),
       fan_out_(link),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
@@ -42,10 +42,11 @@ void BoardServer::wake() noexcept {
 
 // ---- called by other threads
 
-std::uint64_t BoardServer::admit(Descriptor socket, std::string name, Grant grant) {
+std::uint64_t BoardServer::admit(Connection connection, std::string name, Grant grant) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t id = ++clients_made_;
-  admitted_.push_back(std::make_unique<Client>(*this, std::move(socket), std::move(name), std::move(grant), id));
+  admitted_.push_back(std::make_unique<Client>(*this, std::move(connection), std::move(name), std::move(grant), id,
+                                               upstream_.link().now_ns()));
   report_.served += 1;
   wake();
   return id;
@@ -94,6 +95,18 @@ bool BoardServer::drop(std::uint64_t id) {
   return true;
 }
 
+std::vector<std::uint64_t> BoardServer::silent(std::uint64_t limit_ns) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t now = upstream_.link().now_ns();
+  std::vector<std::uint64_t> found;
+  for (const auto& client : clients_) {
+    if (client->session.silent_ns(now) >= limit_ns) {
+      found.push_back(client->id);
+    }
+  }
+  return found;
+}
+
 void BoardServer::stop_outputs() {
   trip_wanted_ = true;
   wake();
@@ -107,10 +120,13 @@ ServerReport BoardServer::report() {
                             .name = client->name,
                             .since_ns = client->since_ns,
                             .dead_man = client->session.dead_man_ticks() > 0,
+                            .silent_ns = client->session.silent_ns(upstream_.link().now_ns()),
                             .unsent = client->session.output().size(),
                             .counters = client->session.counters()});
   }
   told.groups = fan_out_.groups();
+  told.joined = upstream_.turns().joined();
+  told.waiting = upstream_.turns().waiting();
   return told;
 }
 
@@ -208,8 +224,13 @@ void BoardServer::harvest() {
     if (errand->session != nullptr) {
       errand->session->finish(*errand);
     }
+    for (const Joined& other : errand->joined) {
+      errand->id = other.id;
+      other.session->finish(*errand);
+    }
     upstream_.recycle(*errand);
   }
+  upstream_.push();
   for (const Upstream::Publish& publish : arrived.publishes) {
     const auto words = std::span(arrived.words).subspan(publish.begin, publish.end - publish.begin);
     for (const FanOut::Reader& reader : fan_out_.readers(publish.group)) {
@@ -236,42 +257,47 @@ void BoardServer::admit_waiting() {
   for (std::unique_ptr<Client>& client : admitted_) {
     epoll_event event{.events = EPOLLIN, .data = {.ptr = client.get()}};
     client->watched = EPOLLIN;
-    client->gone = ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client->socket.get(), &event) != 0;
+    client->gone = ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client->connection.get(), &event) != 0;
     clients_.push_back(std::move(client));
   }
   admitted_.clear();
 }
 
 void BoardServer::receive(Client& client) {
-  std::array<std::uint8_t, 16384> room;
+  std::array<std::uint8_t, tls::Session::all_bytes> room;
   if (!client.session.wants_bytes()) {
     return;
   }
-  const ssize_t count = ::recv(client.socket.get(), room.data(), room.size(), 0);
-  if (count > 0) {
-    client.session.take(std::span(room).first(static_cast<std::size_t>(count)), upstream_.link().now_ns());
+  const Transfer transfer = client.connection.receive(room);
+  if (transfer.count > 0) {
+    client.session.take(std::span(room).first(transfer.count), upstream_.link().now_ns());
     make_safe();
-  } else if (count == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
-    client.gone = true;
   }
+  client.gone = client.gone || transfer.status != Status::ok;
 }
 
 void BoardServer::send(Client& client) {
-  while (!client.session.output().empty()) {
-    const std::span<const std::uint8_t> bytes = client.session.output();
-    const ssize_t count = ::send(client.socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (count > 0) {
-      client.session.sent(static_cast<std::size_t>(count));
-      client.stuck_ns = 0;
-      continue;
-    }
-    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
-      client.gone = true;
-      return;
-    }
-    break;
+  const std::span<const std::uint8_t> bytes = client.session.output();
+  std::size_t taken = 0;
+  Transfer transfer;
+  const bool waited = client.connection.unsent();
+  if (waited) {
+    transfer = client.connection.send({});
   }
-  const bool blocked = !client.session.output().empty();
+  while (taken < bytes.size() && !client.connection.unsent() && transfer.status == Status::ok) {
+    transfer = client.connection.send(bytes.subspan(taken));
+    taken += transfer.count;
+    if (transfer.count == 0) {
+      break;
+    }
+  }
+  client.session.sent(taken);
+  if (transfer.status != Status::ok) {
+    client.gone = true;
+    return;
+  }
+  const bool blocked = !client.session.output().empty() || client.connection.unsent();
+  client.stuck_ns = taken > 0 || (waited && !client.connection.unsent()) ? 0 : client.stuck_ns;
   const std::uint64_t now = real_ns();
   client.stuck_ns = !blocked ? 0 : client.stuck_ns == 0 ? now : client.stuck_ns;
   client.silent = blocked && now - client.stuck_ns > patience_ns;
@@ -283,7 +309,7 @@ void BoardServer::watch(Client& client, std::uint32_t wanted) {
   if (client.watched != wanted) {
     client.watched = wanted;
     epoll_event event{.events = wanted, .data = {.ptr = &client}};
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, client.socket.get(), &event);
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, client.connection.get(), &event);
   }
 }
 

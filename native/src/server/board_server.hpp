@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "layer0_driver/descriptor.hpp"
+#include "server/connection.hpp"
 #include "server/fan_out.hpp"
 #include "server/session.hpp"
 #include "server/upstream.hpp"
@@ -28,7 +29,8 @@ struct ClientReport {
   std::string name;
   std::uint64_t since_ns = 0;
   bool dead_man = false;
-  std::size_t unsent = 0;  // bytes that the client has not taken
+  std::uint64_t silent_ns = 0;  // since its last frame
+  std::size_t unsent = 0;       // bytes that the client has not taken
   Counters counters;
 };
 
@@ -39,6 +41,8 @@ struct ServerReport {
   std::uint64_t dropped_silent = 0;  // clients that did not take what was sent
   std::uint64_t dropped_lost = 0;    // clients dropped, because the line or an answer was lost
   std::uint64_t served = 0;          // clients that have come so far
+  std::uint64_t joined = 0;          // reads that were answered by an equal one of another client
+  std::size_t waiting = 0;           // requests that wait for the line to the board
 };
 
 // What the one who governs has to know.
@@ -56,17 +60,19 @@ struct News {
 
 class BoardServer final : public Host {
  public:
-  // The link must be framed. It must exist as long as the server.
-  explicit BoardServer(Link& link);
+  // The link must be framed. It must exist as long as the server. Reads of `plain` addresses have no side effect.
+  BoardServer(Link& link, Addresses plain);
   ~BoardServer();
 
   // Takes a client that has logged in. `name` is for reports. Returns its number.
-  std::uint64_t admit(Descriptor socket, std::string name, Grant grant);
+  std::uint64_t admit(Connection connection, std::string name, Grant grant);
   // Changes what a client may do. If it waits for a lease, `given` decides. False: it is gone.
   bool set_grant(std::uint64_t id, Grant grant, std::optional<bool> given);
   // Waits for news. Each is told once.
   [[nodiscard]] std::vector<News> wait_news(std::uint64_t timeout_ns);
   bool drop(std::uint64_t id);
+  // The clients that have sent no frame for so long.
+  [[nodiscard]] std::vector<std::uint64_t> silent(std::uint64_t limit_ns);
   // Makes the outputs safe, as a dead-man would.
   void stop_outputs();
   [[nodiscard]] ServerReport report();

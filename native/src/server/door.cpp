@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <memory>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -37,14 +38,15 @@ std::string told(const sockaddr_storage& address, socklen_t size) {
   return (name.find(':') == std::string::npos ? name : "[" + name + "]") + ":" + port.data();
 }
 
-void say(int socket, const LoginAnswer& answer) noexcept {
+void say(Connection& connection, const LoginAnswer& answer) {
   const std::string line = answer.line();
-  static_cast<void>(!::send(socket, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT));
+  static_cast<void>(connection.send({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}));
 }
 
 }  // namespace
 
-Outcome Door::open(const std::string& host, std::uint16_t port, std::optional<Door>& door) {
+Outcome Door::open(const std::string& host, std::uint16_t port, std::shared_ptr<const tls::Side> side,
+                   std::optional<Door>& door) {
   const std::string wanted = host + ":" + std::to_string(port);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
@@ -67,7 +69,7 @@ Outcome Door::open(const std::string& host, std::uint16_t port, std::optional<Do
   sockaddr_storage name{};
   socklen_t size = sizeof name;
   ::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&name), &size);
-  door.emplace(Door(std::move(listener), told(name, size)));
+  door.emplace(Door(std::move(listener), told(name, size), std::move(side)));
   return {};
 }
 
@@ -77,7 +79,7 @@ std::optional<Knock> Door::wait(std::uint64_t timeout_ns) {
     std::vector<pollfd> waiting{{callers_.size() < knocking_most ? listener_.get() : -1, POLLIN, 0}};
     std::uint64_t look_ns = until_ns;
     for (const Caller& caller : callers_) {
-      waiting.push_back({caller.socket.get(), POLLIN, 0});
+      waiting.push_back({caller.connection.get(), static_cast<short>(caller.wants_room ? POLLOUT : POLLIN), 0});
       look_ns = std::min(look_ns, caller.until_ns);
     }
     const std::uint64_t now = real_ns();
@@ -88,12 +90,12 @@ std::optional<Knock> Door::wait(std::uint64_t timeout_ns) {
       if (waiting[index + 1].revents != 0) {
         knock = hear(caller);
       }
-      if (caller.socket.open() && real_ns() >= caller.until_ns) {
-        caller.socket.reset();
+      if (caller.connection.open() && real_ns() >= caller.until_ns) {
+        caller.connection.end();
         turned_away_ += 1;
       }
     }
-    std::erase_if(callers_, [](const Caller& caller) { return !caller.socket.open(); });
+    std::erase_if(callers_, [](const Caller& caller) { return !caller.connection.open(); });
     if (knock) {
       return knock;
     }
@@ -121,47 +123,84 @@ void Door::let_in() {
     set(next.get(), SOL_SOCKET, SO_KEEPALIVE, 1);
     set(next.get(), IPPROTO_TCP, TCP_KEEPIDLE, 10);
     set(next.get(), IPPROTO_TCP, TCP_KEEPINTVL, 2);
-    callers_.push_back({std::move(next), told(from, size), {}, real_ns() + patience_ns});
+    auto over = side_ ? std::make_unique<tls::Session>(side_, next.get()) : nullptr;
+    callers_.push_back({.connection = Connection(std::move(next), std::move(over)),
+                        .peer = told(from, size),
+                        .line = {},
+                        .until_ns = real_ns() + patience_ns,
+                        .shaken = !side_});
   }
 }
 
-// Reads what a caller has sent. Its socket is not open afterwards if it was turned away, or has said all.
+void Door::turn_away(Caller& caller, const std::string& text) {
+  turned_away_ += 1;
+  if (!text.empty()) {
+    say(caller.connection, {"version", text});
+  }
+  caller.connection.end();
+}
+
+// Goes on with the handshake of TLS. False: it is not over, or has failed.
+bool Door::shake(Caller& caller) {
+  constexpr std::uint8_t handshake = 0x16;  // with which each connection of TLS begins
+  std::uint8_t first = handshake;
+  static_cast<void>(!::recv(caller.connection.get(), &first, 1, MSG_PEEK | MSG_DONTWAIT));
+  if (first == static_cast<std::uint8_t>(protocol::serve::greeting.front())) {
+    Connection plain(Descriptor(::fcntl(caller.connection.get(), F_DUPFD_CLOEXEC, 0)));
+    say(plain, {"version", "this server wants TLS; add ?tls_ca=FILE to the URL"});
+    turn_away(caller, {});
+    return false;
+  }
+  const tls::Progress progress = caller.connection.tls()->shake();
+  caller.wants_room = progress == tls::Progress::writes;
+  caller.shaken = progress == tls::Progress::done;
+  if (progress == tls::Progress::failed) {
+    turn_away(caller, {});
+  }
+  return caller.shaken;
+}
+
+// Reads what a caller has sent. Its connection is not open afterwards if it was turned away, or has said all.
 std::optional<Knock> Door::hear(Caller& caller) {
-  std::array<char, protocol::serve::login_max> room;
-  const ssize_t count = ::recv(caller.socket.get(), room.data(), room.size() - caller.line.size(), 0);
-  if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+  if (!caller.shaken && !shake(caller)) {
     return std::nullopt;
   }
-  caller.line.append(room.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  std::array<std::uint8_t, protocol::serve::login_max> room;
+  const Transfer transfer = caller.connection.receive(std::span(room).first(room.size() - caller.line.size()));
+  const bool there = transfer.status == Status::ok;
+  if (there && transfer.count == 0) {
+    return std::nullopt;
+  }
+  caller.line.append(reinterpret_cast<const char*>(room.data()), transfer.count);
   const std::size_t end = caller.line.find('\n');
   const std::size_t known = std::min(caller.line.size(), protocol::serve::greeting.size());
   const bool plausible = protocol::serve::greeting.starts_with(std::string_view(caller.line).substr(0, known));
-  if (count > 0 && plausible && end == std::string::npos && caller.line.size() < room.size()) {
+  if (there && plausible && end == std::string::npos && caller.line.size() < room.size()) {
     return std::nullopt;
   }
   // Nothing may follow the line before it is answered.
-  const auto login = count > 0 && plausible && end != std::string::npos && end + 1 == caller.line.size()
+  const auto login = there && plausible && end != std::string::npos && end + 1 == caller.line.size()
                          ? Login::parse(std::string_view(caller.line).substr(0, end))
                          : std::optional<Login>();
   if (!login) {
-    turned_away_ += 1;
-    if (count > 0) {
-      say(caller.socket.get(), {"version", "this is `unitylink serve`; use the URL serve://" + place_ + "/BOARD"});
-    }
-    caller.socket.reset();
+    turn_away(caller, there ? "this is `unitylink serve`; use the URL serve://" + place_ + "/BOARD" : std::string());
     return std::nullopt;
   }
-  Knock knock{std::move(caller.socket), std::move(caller.peer), *login};
+  Knock knock{
+      .connection = std::move(caller.connection), .peer = std::move(caller.peer), .certificate = {}, .login = *login};
+  if (knock.connection.tls() != nullptr) {
+    knock.certificate = knock.connection.tls()->peer();
+  }
   return knock;
 }
 
 void Door::refuse(Knock knock, const std::string& reason, const std::string& text) {
-  say(knock.socket.get(), {reason, text});
+  say(knock.connection, {reason, text});
 }
 
-Descriptor Door::admit(Knock knock, const std::string& text) {
-  say(knock.socket.get(), {{}, text});
-  return std::move(knock.socket);
+Connection Door::admit(Knock knock, const std::string& text) {
+  say(knock.connection, {{}, text});
+  return std::move(knock.connection);
 }
 
 }  // namespace unitylink::server

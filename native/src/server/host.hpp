@@ -8,6 +8,7 @@
 #include "layer1_stream/configuration.hpp"
 #include "layer2_message/link.hpp"
 #include "server/errand.hpp"
+#include "server/grant.hpp"
 
 namespace unitylink::server {
 
@@ -15,6 +16,7 @@ namespace unitylink::server {
 struct Facts {
   Configuration configuration;
   Description description;
+  Addresses plain;  // a read of these has no side effect
 };
 
 class Host {

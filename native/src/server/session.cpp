@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames in and out, sessions, and the order of requests. session_requests.cpp has what the requests do.
+// Frames in and out, sessions, and the order of requests. session_requests.cpp has what the requests do,
+// session_posts.cpp the posts.
 #include "server/session.hpp"
 
 #include <algorithm>
@@ -31,8 +32,8 @@ void put(std::vector<std::uint8_t>& into, std::uint32_t value, std::size_t bytes
 
 }  // namespace
 
-Session::Session(Host& host, Grant grant, std::uint16_t seed)
-    : host_(host), grant_(std::move(grant)), nonce_(seed), places_(host.facts().description.window) {
+Session::Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns)
+    : host_(host), grant_(std::move(grant)), nonce_(seed), places_(host.facts().description.window), fed_ns_(now_ns) {
   decoder_.set_payload_max(host.facts().description.request_max);
   sequences_.resize(host.facts().configuration.groups);
   begin_session({});

@@ -37,7 +37,7 @@ struct Counters {
 
 class Session {
  public:
-  Session(Host& host, Grant grant, std::uint16_t seed);
+  Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns);
 
   // Takes bytes of the client. What can be executed at once, is.
   void take(std::span<const std::uint8_t> bytes, std::uint64_t now_ns);
@@ -60,6 +60,10 @@ class Session {
   [[nodiscard]] std::uint64_t dead_man_due_ns() const noexcept;
   // The dead-man of the board has tripped, so none runs.
   void stop_dead_man() noexcept { dead_man_ticks_ = 0; }
+  // The time since its last frame.
+  [[nodiscard]] std::uint64_t silent_ns(std::uint64_t now_ns) const noexcept {
+    return now_ns > fed_ns_ ? now_ns - fed_ns_ : 0;
+  }
   void set_grant(Grant grant) { grant_ = std::move(grant); }
   // A lease was decided about. Continues with the request that waits for it.
   void resume(bool given);
@@ -98,6 +102,7 @@ class Session {
   void perform_here();
   void settle_here(Status outcome);
   void forward(std::uint8_t kind, std::span<const std::uint8_t> body, std::size_t answer_bytes, bool changes);
+  [[nodiscard]] bool shareable() const noexcept;
   void forward_exchange();
   [[nodiscard]] bool start_posts();
   void finish_posts(Errand& errand);
@@ -153,7 +158,7 @@ class Session {
   std::vector<std::uint16_t> sequences_;  // of the next publish of each group
   bool publishing_ = false;
   std::uint32_t dead_man_ticks_ = 0;
-  std::uint64_t fed_ns_ = 0;
+  std::uint64_t fed_ns_;     // its last frame
   std::uint64_t trips_ = 0;  // of the board, when the session began
 
   std::vector<std::uint8_t> payload_;

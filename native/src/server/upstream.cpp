@@ -7,6 +7,9 @@
 namespace unitylink::server {
 namespace {
 
+// Requests that wait in the link: enough that the line does not rest, and few, because what is there has no turn any
+// more.
+constexpr std::size_t held_most = 4;
 constexpr std::size_t words_most = 1u << 20;  // bytes of publishes between two harvests; more are left out
 
 }  // namespace
@@ -25,12 +28,39 @@ Errand& Upstream::errand() {
   errand.answer.clear();
   errand.posts.clear();
   errand.post_words.clear();
+  errand.joined.clear();
+  errand.shareable = false;
   errand.home = this;
   errand.session = nullptr;
   return errand;
 }
 
 void Upstream::submit(Errand& errand) {
+  if (turns_.empty() && link_.backlog() < held_most) {
+    send(errand);
+  } else if (turns_.add(errand)) {
+    push();
+  } else {
+    recycle(errand);
+  }
+}
+
+void Upstream::push() {
+  std::size_t held = link_.backlog();
+  while (!turns_.empty()) {
+    if (held >= held_most) {
+      link_.push();
+      held = link_.backlog();
+      if (held >= held_most) {
+        return;
+      }
+    }
+    send(turns_.next());
+    held += 1;
+  }
+}
+
+void Upstream::send(Errand& errand) {
   Exchange& exchange = errand.exchange;
   exchange.operation = Operation::forward;
   exchange.repeat = false;
@@ -45,11 +75,11 @@ void Upstream::submit(Errand& errand) {
 
 void Upstream::abandon(const Session& session) {
   for (Errand* const errand : under_way_) {
-    if (errand->session == &session) {
-      errand->session = nullptr;
+    if (errand->session != nullptr && !errand->drop(session)) {
       link_.withdraw(errand->exchange);
     }
   }
+  turns_.leave(session, idle_);
 }
 
 void Upstream::on_done(Exchange& exchange) noexcept {

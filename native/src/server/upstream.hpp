@@ -10,6 +10,7 @@
 
 #include "layer2_message/link.hpp"
 #include "server/errand.hpp"
+#include "server/turns.hpp"
 
 namespace unitylink::server {
 
@@ -36,14 +37,19 @@ class Upstream final : private PublishTap {
   [[nodiscard]] Link& link() const noexcept { return link_; }
   [[nodiscard]] Errand& errand();
   void recycle(Errand& errand) { idle_.push_back(&errand); }
+  // Sends it when it is its client's turn.
   void submit(Errand& errand);
+  // Sends what waits, as much as the line takes. Call it when answers have come.
+  void push();
   // Nobody waits any more for the errands of this session. What was not sent yet is not sent.
   void abandon(const Session& session);
   [[nodiscard]] std::size_t under_way() const noexcept { return under_way_.size(); }
+  [[nodiscard]] const Turns& turns() const noexcept { return turns_; }
   // Valid until the next call.
   [[nodiscard]] const Harvest& harvest();
 
  private:
+  void send(Errand& errand);
   static void on_done(Exchange& exchange) noexcept;
   void on_publish(std::uint32_t group, std::uint32_t missing, std::uint32_t clock,
                   std::span<const std::uint8_t> words) noexcept override;
@@ -52,6 +58,7 @@ class Upstream final : private PublishTap {
   std::vector<std::unique_ptr<Errand>> errands_;
   std::vector<Errand*> idle_;
   std::vector<Errand*> under_way_;
+  Turns turns_;
   std::mutex mutex_;  // guards arrived_, which the thread that reads fills
   Harvest arrived_;
   Harvest harvested_;

@@ -21,6 +21,7 @@ from .page_options import page_extras, page_options
 from .root_option import part_of, root_option
 from .serving import place_of
 from .stream_options import StreamOptions, stream_options
+from .tls_options import tls_files_of, tls_options
 
 if TYPE_CHECKING:
     from unitylink.dashboard.extras import Extras
@@ -37,7 +38,8 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.argument("links", metavar="LINK...", nargs=-1, required=True)
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--listen", metavar="[HOST:]PORT", default="127.0.0.1:7450", show_default=True)
-@click.option("--anyone", is_flag=True, help="Listen where other machines reach it. Tokens go unencrypted.")
+@click.option("--anyone", is_flag=True, help="Listen where other machines reach it. See --tls-cert.")
+@tls_options
 @click.option(
     "--token-file",
     metavar="FILE",
@@ -45,6 +47,12 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 )
 @click.option(
     "--audit", "audit_file", metavar="FILE", help="Add a line for each login and refusal (else stderr)."
+)
+@click.option(
+    "--lease-silence",
+    metavar="SECONDS",
+    type=click.FloatRange(0.1, 86400),
+    help="Who sends nothing for so long loses its leases, and its outputs become safe.",
 )
 @click.option(
     "--page", metavar="[HOST:]PORT", help="Also serve the board's page for browsers (unitylink dashboard)."
@@ -65,8 +73,12 @@ def command(
     *,
     listen: str,
     anyone: bool,
+    tls_cert: str | None,
+    tls_key: str | None,
+    tls_ca: str | None,
     token_file: str | None,
     audit_file: str | None,
+    lease_silence: float | None,
     page: str | None,
     foxglove: str | None,
     mqtt: str | None,
@@ -89,6 +101,8 @@ def command(
 
     If a board is away, the server waits for it. Programs are told so.
 
+    With --tls-cert all connections are encrypted. Programs say whom they trust: ?tls_ca=FILE in the URL.
+
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
     page is for one board, which must be there at the start. With --foxglove, --mqtt and --plotjuggler,
     other tools see the board, too.
@@ -100,6 +114,8 @@ def command(
       unitylink serve sim:arm.ul arm.ul --foxglove 8765 --plotjuggler 127.0.0.1:9870
       unitylink serve left=tcp://10.0.0.7:5555 right=tcp://10.0.0.8:5555 arm.ul --token-file tokens.toml
       unitylink serve serial:/dev/ttyUSB0 arm.ul --token-file tokens.toml --check-config
+      unitylink serve sim:arm.ul arm.ul --listen 0.0.0.0:7450 --anyone --tls-cert cert.pem --tls-key key.pem
+      UNITYLINK_TOKEN=... unitylink watch "serve://lab:7450/arm?tls_ca=cert.pem" --spec arm.ul
       UNITYLINK_TOKEN=... unitylink watch serve://127.0.0.1:7450/arm --spec arm.ul
     """
     from unitylink.dashboard.place import read_place
@@ -108,16 +124,18 @@ def command(
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
-    from unitylink.server.tokens import User, new_token
+    from unitylink.server.tokens import Tokens, User, new_token
     from unitylink.spec import load
 
     spec = part_of(load(spec_file), root)
     host, port = place_of("listen", listen)
     host = host or "127.0.0.1"
+    tls = tls_files_of(tls_cert, tls_key, tls_ca)
     if not is_loopback(host) and not anyone:
+        how = "" if tls else ", and tokens go there unencrypted"
         raise click.UsageError(
-            f"{host} is no loopback address: other machines could reach the server, and tokens go there "
-            "unencrypted; if you want that, add --anyone"
+            f"{host} is no loopback address: other machines could reach the server{how}; if you want that, "
+            f"add --anyone{'' if tls else ', and --tls-cert to encrypt'}"
         )
     if len(spec.roots) > 1:
         raise Failure(
@@ -131,7 +149,9 @@ def command(
     own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
     own |= streams.users(fresh=bool(fresh))
     own_tokens = {name: new_token() for name in own}
+    insiders = Tokens(())
     for name, rights in own.items():
+        insiders = insiders.with_user(own_tokens[name], User(name, rights))
         tokens = tokens.with_user(own_tokens[name], User(name, rights))
     named = _named(links, spec)
     place = read_place(page) if page is not None else None
@@ -141,12 +161,15 @@ def command(
         raise click.UsageError("--page and streams are for one board; start a server for each")
     more = page_extras(spec.roots[0], spec_file, **extras)
     if check_config:
-        return _report_check(named, host, port, known)
+        return _report_check(named, host, port, known, tls=tls is not None)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
     audit = Audit(lambda line: print(line, file=out, flush=True))
     with stopped_by_signals() as stop, ExitStack() as pages:
-        robots = [Robot(name, link, spec, tokens, audit) for name, link in named.items()]
-        with Server(robots, tokens, audit, host, port) as server:
+        robots = [
+            Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0)
+            for name, link in named.items()
+        ]
+        with Server(robots, tokens, audit, host, port, tls=tls, own=insiders) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)
             page_url, lines = None, []
@@ -157,7 +180,13 @@ def command(
                 reads = _url_for(pages, server, own_tokens["streams"])
                 opened = streams.opened(robots[0], reads, own_tokens)
                 lines = pages.enter_context(opened)
-            _announce(server, spec, spec_file, fresh, as_json, page=page_url, streams=lines)
+            trust = f"?tls_ca={tls_cert}" if tls else ""
+            _announce(server, spec, spec_file, fresh, as_json, trust=trust, page=page_url, streams=lines)
+            if not is_loopback(host):
+                how = f"{'is' if tls else 'is not'} encrypted"
+                click.echo(
+                    f"warning: other machines can reach {server.place}; what they send {how}", err=True
+                )
             while not stop.wait(_METRICS_S if metrics_file else None):
                 assert metrics_file is not None
                 write_metrics(metrics_file, server.report())
@@ -167,7 +196,7 @@ def command(
     return None
 
 
-def _report_check(named: dict[str, str], host: str, port: int, tokens: int) -> None:
+def _report_check(named: dict[str, str], host: str, port: int, tokens: int, *, tls: bool) -> None:
     """Check the links, and print what would be served. No link is opened."""
     from unitylink.connection.schemes import scheme_of
 
@@ -175,6 +204,8 @@ def _report_check(named: dict[str, str], host: str, port: int, tokens: int) -> N
         scheme_of(link)
         click.echo(f"{link} at serve://{host}:{port}/{name}")
     click.echo(f"{tokens} tokens" if tokens != 1 else "1 token")
+    if tls:
+        click.echo("encrypted")
 
 
 def _named(links: tuple[str, ...], spec: Spec) -> dict[str, str]:
@@ -211,7 +242,7 @@ def _url_for(opened: ExitStack, server: Server, token: str) -> str:
     file = opened.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))  # noqa: SIM115
     file.write(token)
     file.flush()
-    return f"serve://{server.place}/{robot.name}?token_file={file.name}"
+    return f"serve://{server.own_place}/{robot.name}?token_file={file.name}"
 
 
 def _serve_page(
@@ -234,11 +265,15 @@ def _announce(
     token: str,
     as_json: bool,
     *,
+    trust: str,
     page: str | None,
     streams: list[str],
 ) -> None:
-    """Print where the boards are, the token, and a command to try."""
-    urls = {name: f"serve://{server.place}/{name}" for name in server.robots}
+    """Print where the boards are, the token, and a command to try.
+
+    `trust` is what the URLs need for TLS.
+    """
+    urls = {name: f"serve://{server.place}/{name}{trust}" for name in server.robots}
     if as_json:
         print_json({"urls": urls, "token": token or None, "page": page}, indent=None)
     else:
@@ -253,6 +288,8 @@ def _announce(
             click.echo(f"the token of this start, for everything:  export UNITYLINK_TOKEN={token}")
         first = next((name for name, element in spec.walk() if element.access == "READ"), None)
         if first is not None:
-            click.echo(f"try:  unitylink read {next(iter(urls.values()))} {first} --spec {spec_file}")
+            url = next(iter(urls.values()))
+            quoted = f'"{url}"' if trust else url
+            click.echo(f"try:  unitylink read {quoted} {first} --spec {spec_file}")
         click.echo("Ctrl-C ends it")
     sys.stdout.flush()

@@ -58,14 +58,15 @@ class Line:
         """
         return self._native.generation
 
-    def serve(self) -> BoardServer:
+    def serve(self, plain: list[tuple[int, int]]) -> BoardServer:
         """Return a native server for many clients on this link. Close it before the link.
 
+        `plain` are the first and last addresses of words whose read has no side effect, rising and apart.
         Only `unitylink.server` uses it. Raises DeviceMismatch if the link is not framed.
         """
         from unitylink._native import BoardServer
 
-        return BoardServer(self._native)
+        return BoardServer(self._native, plain)
 
     def watch_program(self, patience_s: float) -> None:
         """From now on, give up the line if `alive` is not called for `patience_s`. 0: never.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The audit log: one line of JSON for each login, lease, write of a person, and refusal."""
+"""The log of a server: one line of JSON for each login, lease, write of a person, refusal, lost board."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import json
 from collections.abc import Callable
 
 EVENTS = (
-    *("login", "logout", "lease", "release", "lost", "safe", "write", "stop", "arm", "refused"),
-    *("record", "acknowledge"),  # at the page of the dashboard
+    *("login", "logout", "refused"),  # who comes and goes
+    *("lease", "release", "asked", "lost", "safe"),  # who may write
+    *("write", "stop", "arm", "record", "acknowledge"),  # what people do
+    *("up", "away"),  # the board
 )
 
 

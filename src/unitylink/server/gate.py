@@ -15,16 +15,19 @@ Programs and the dashboard use the same gate. The rules:
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
-from unitylink.errors import AccessRefused
+from unitylink.errors import AccessRefused, LeaseHeld, UnknownName
 from unitylink.spec.model import Instance
 
 from .audit import Audit
 from .leases import Lease, Leases
 from .rate_limit import RateLimit
-from .subtree import WHOLE, known, shown, subtree
+from .subtree import WHOLE, contains, known, overlap, shown, subtree
 from .tokens import Tokens, User
+from .wishes import Wishes
 
 REFUSED_RATE_HZ, REFUSED_BURST = 5.0, 20  # lines about refusals; more of them are only counted
 LEASE_S = 2.0  # a lease that a write takes, and the default of a lease that is asked for
@@ -70,7 +73,7 @@ class Gate:
 
     def __init__(self, name: str, root: Instance, tokens: Tokens, audit: Audit) -> None:
         self.name, self.root = name, root
-        self.leases = Leases()
+        self.leases, self.wishes = Leases(), Wishes()
         self._tokens, self._audit = tokens, audit
         self._clients: dict[int, Client] = {}
         self._numbers = itertools.count(1)
@@ -91,6 +94,16 @@ class Gate:
         self._clients[client.number] = client
         self._log("login", now, client)
         return client
+
+    @contextmanager
+    def visit(self, user: User, where: str) -> Iterator[Client]:
+        """Let a user in who has a question, and goes again. That is no login for the log."""
+        client = Client(next(self._numbers), user, where)
+        self._clients[client.number] = client
+        try:
+            yield client
+        finally:
+            self._clients.pop(client.number, None)
 
     def logout(self, client: Client, now: Now) -> None:
         """Let a user go who says so. His leases are given back, and the outputs keep their values."""
@@ -180,11 +193,13 @@ class Gate:
         self._check(client, "write", part, now)
         had = self.leases.of(client.number)
         self.expire(now)
+        self.wishes.check(part, client.name, now.steady_s)
         lease = self.leases.take(
             part, client=client.number, holder=client.name, duration_s=duration_s, now_s=now.steady_s
         )
         if lease.part not in {one.part for one in had}:
             self._log("lease", now, client, part=shown(lease.part), duration_s=duration_s)
+        self.wishes.taken(lease.part, client.name)
         return lease
 
     def renew(self, client: Client, now: Now) -> None:
@@ -211,8 +226,44 @@ class Gate:
     def break_up(self, client: Client, part: str, now: Now) -> None:
         """Take the leases of a part away from whoever has them. Needs the scope `admin`."""
         self._check(client, "admin", WHOLE, now)
-        self.leases.break_up(subtree(part), client.name)
+        self.leases.break_up(known(self.root, subtree(part)), client.name)
         self._note_lost(now)
+
+    def ask(self, client: Client, part: str, now: Now) -> tuple[str, ...]:
+        """Ask for the lease of a part, and return the names of who holds it.
+
+        Nothing else happens: the holders see it, and may give the lease. Raises UnknownName or AccessRefused.
+        """
+        part = known(self.root, subtree(part))
+        self._check(client, "write", part, now)
+        self.expire(now)
+        holders = {one.holder for one in self.leases.all() if overlap(one.part, part)} - {client.name}
+        if holders:
+            self.wishes.ask(part, client.name, now.steady_s)
+            self._log("asked", now, client, part=shown(part))
+        return tuple(sorted(holders))
+
+    def give(self, client: Client, part: str, to: str, now: Now) -> str:
+        """Give the leases of a part back in order, and keep the part for a user: `to`, or who asked first.
+
+        A user may give what one of his connections holds, an administrator what anybody holds. The outputs
+        keep their values. Returns for whom the part is kept, or "" if nobody has asked. Raises UnknownName,
+        AccessRefused or LeaseHeld.
+        """
+        part = known(self.root, subtree(part))
+        self._known(client, now)
+        if to and to not in self._tokens.names():
+            raise UnknownName(f"no token of this server is that of {to}")
+        self.expire(now)
+        held = [one for one in self.leases.all() if contains(part, one.part) and not one.ending]
+        if not held:
+            raise LeaseHeld(f"nobody holds a write lease of {shown(part)}")
+        if others := sorted({one.holder for one in held} - {client.name}):
+            self._check(client, "admin", WHOLE, now, f"{others[0]} holds it")
+        for lease in held:
+            self.leases.release(lease.client, lease.part)
+            self._log("release", now, client, part=shown(lease.part))
+        return self.wishes.keep(part, to, now.steady_s)
 
     def unsafe(self) -> tuple[str, ...]:
         """Return the parts that the server has to make safe."""
@@ -234,7 +285,7 @@ class Gate:
 
     # -- within
 
-    def _check(self, client: Client, action: str, part: str, now: Now) -> None:
+    def _check(self, client: Client, action: str, part: str, now: Now, why: str = "") -> None:
         self._known(client, now)
         if action == "write" and self.stopped_by:
             raise AccessRefused(
@@ -245,8 +296,10 @@ class Gate:
         self._refused(now, action, client=client, part=part)
         needed = f"{action} {part}.*" if part and action in ("read", "write") else action
         what = "it" if part else self.name
+        because = f"{why}, and " if why else ""
         raise AccessRefused(
-            f"{client.name} may not {action} {what}; the token needs the scope `{needed}`", item=part or None
+            f"{because}{client.name} may not {action} {what}; the token needs the scope `{needed}`",
+            item=part or None,
         )
 
     def _known(self, client: Client, now: Now) -> None:

@@ -71,6 +71,18 @@ def paths_of(spec: Spec) -> dict[int, str]:
     }
 
 
+def plain_words(spec: Spec) -> Ranges:
+    """Return the words that may be read once for several clients, because a read has no side effect.
+
+    >>> from unitylink.spec import compile_text
+    >>> text = "public arm() { @angle = 0x10: READ(); @errors = 0x11: READCLEAR(); }"
+    >>> plain_words(compile_text(text, "arm.ul").spec)
+    [(16, 16)]
+    """
+    items = [element for _, element in spec.walk() if element.link.kind != "fifo"]
+    return joined(address for one in items if one.pollable for address in one.addresses)
+
+
 def _commits(elements: Iterable[Element]) -> Iterable[int]:
     """Yield the words that tell the state of a committed memory, and commit what was written to it."""
     for link in {element.link for element in elements}:

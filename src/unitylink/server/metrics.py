@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 _CLIENT_COUNTERS = ("requests", "refused", "repeats", "discarded", "publishes", "publishes_lost")
-_BOARD_COUNTERS = ("trips", "dropped_silent", "dropped_lost", "served")
+_BOARD_COUNTERS = ("trips", "dropped_silent", "dropped_lost", "served", "joined")
 
 
 def metrics(report: Mapping[str, Any]) -> str:

@@ -17,9 +17,9 @@ from unitylink.spec.model import Spec
 
 from .audit import Audit
 from .gate import Client, Gate, Now
-from .grants import grant, paths_of, words_of
+from .grants import grant, paths_of, plain_words, words_of
 from .subtree import WHOLE, contains
-from .tokens import Tokens
+from .tokens import Tokens, User
 
 if TYPE_CHECKING:
     from unitylink._native import BoardServer, Knock
@@ -31,13 +31,18 @@ _LOOK_S = 0.2  # how often leases are renewed and looked at, if there is no news
 class Robot:
     """A board with a name. A thread opens its link, opens it again if it ends, and decides about leases.
 
-    A client is alive as long as its connection is. Its leases are renewed meanwhile.
+    A client is alive as long as its connection is. Its leases are renewed meanwhile. If `silence_s` is given,
+    a client that has sent nothing for so long loses its leases, although its connection exists.
     """
 
-    def __init__(self, name: str, url: str, spec: Spec, tokens: Tokens, audit: Audit) -> None:
+    def __init__(
+        self, name: str, url: str, spec: Spec, tokens: Tokens, audit: Audit, *, silence_s: float = 0.0
+    ) -> None:
         self.name, self.url, self.spec = name, url, spec
         self.opened = threading.Event()  # set after the first attempt
         self._away = f"{url} is being opened"
+        self._silence_s = silence_s
+        self._audit, self._said = audit, ""
         self._gate = Gate(name, spec.roots[0], tokens, audit)
         self._paths = paths_of(spec)
         self._clients: dict[int, Client] = {}  # by the number that the native server gives
@@ -63,7 +68,10 @@ class Robot:
     def admit(self, knock: Knock) -> None:
         """Hand a client over to the board, if its token is known. Raises AccessRefused or UnityLinkError."""
         with self._lock:
-            client = self._gate.login(knock.token, knock.peer, _now())
+            where = (
+                f"{knock.peer} with the certificate {knock.certificate}" if knock.certificate else knock.peer
+            )
+            client = self._gate.login(knock.token, where, _now())
             try:
                 server = self._there()
             except UnityLinkError:
@@ -93,14 +101,52 @@ class Robot:
         """Return the state of the board, of its link, of its clients and leases, as plain values."""
         with self._lock:
             told: dict[str, Any] = {"name": self.name, "link": self.url, "away": self._why_away()}
+            now_s = time.monotonic()
+            where = {client.number: client.where for client in self._gate.clients()}
+            told["stopped_by"] = self._gate.stopped_by
             told["leases"] = [
-                {"part": lease.part or "*", "holder": lease.holder, "ending": lease.ending}
+                {
+                    "part": lease.part or "*",
+                    "holder": lease.holder,
+                    "where": where.get(lease.client, ""),
+                    "ending": lease.ending,
+                }
                 for lease in self._gate.leases.all()
+            ]
+            told["wishes"] = [
+                {
+                    "part": wish.part or "*",
+                    "user": wish.user,
+                    "left_s": wish.until_s - now_s,
+                    "kept": wish.kept,
+                }
+                for wish in self._gate.wishes.all(now_s)
             ]
             if self._link is not None and self._server is not None:
                 told["statistics"] = dict(vars(self._link.statistics()))
                 told.update(self._server.report())
+                for client in told["clients"]:
+                    known = self._clients.get(client["id"])
+                    client["where"] = known.where if known else ""
+                    client["age_s"] = max(0.0, now_s - client.pop("since_s"))
             return told
+
+    def ask(self, user: User, where: str, part: str) -> list[str]:
+        """Ask for a lease in the name of a user. Return who holds it."""
+        with self._lock, self._gate.visit(user, where) as client:
+            return list(self._gate.ask(client, part, _now()))
+
+    def give(self, user: User, where: str, part: str, to: str) -> str:
+        """Give leases back in order, in the name of a user. Return for whom the part is kept."""
+        with self._lock, self._gate.visit(user, where) as client:
+            kept_for = self._gate.give(client, part, to, _now())
+            self._tell_changes()  # before anybody else can write
+            return kept_for
+
+    def break_up(self, user: User, where: str, part: str) -> None:
+        """Take leases away, in the name of an administrator. The outputs become safe."""
+        with self._lock, self._gate.visit(user, where) as client:
+            self._gate.break_up(client, part, _now())
 
     def close(self) -> None:
         """Drop all clients and close the link."""
@@ -133,11 +179,13 @@ class Robot:
                 server = self._server
             if server is None:
                 self._open()
+                self._log_state()
                 self.opened.set()
                 if self._server is None:
                     self._closed.wait(_PAUSE_S)
                 continue
             news = server.wait_news(_LOOK_S)
+            self._log_state()
             with self._lock:
                 for number, kind, address in news:
                     if kind == "asks":
@@ -148,6 +196,13 @@ class Robot:
                         self._gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
                 self._look_at_leases(server)
 
+    def _log_state(self) -> None:
+        """Note when the board goes away, and when it comes back."""
+        away = self.away
+        if away != self._said or not self.opened.is_set():
+            self._said = away
+            self._audit.line("away" if away else "up", time.time(), robot=self.name, reason=away or None)
+
     def _open(self) -> None:
         try:
             once = scheme_of(self.url).once or "reconnect=" in self.url
@@ -157,7 +212,7 @@ class Robot:
             return
         try:
             link.check_spec(self.spec.source, wire_hashes(self.spec, self.spec.roots[0].name))
-            server = link.serve()
+            server = link.serve(plain_words(self.spec))
         except UnityLinkError as error:
             self._away = str(error)
             link.close()
@@ -204,18 +259,23 @@ class Robot:
         return [lease.part for lease in self._gate.leases.of(client.number)]
 
     def _look_at_leases(self, server: BoardServer) -> None:
-        for client in self._clients.values():
-            self._gate.leases.renew(client.number, time.monotonic())
+        silent = set(server.silent(self._silence_s)) if self._silence_s else ()
+        for number, client in self._clients.items():
+            if number not in silent:
+                self._gate.leases.renew(client.number, time.monotonic())
         for late in self._gate.expire(_now()):
             for number in [one for one, client in self._clients.items() if client == late]:
                 server.drop(number)
-        for number, client in self._clients.items():
-            # others may have changed them, too: a person who stops the robot at its page
-            if self._held(client) != self._told.get(number, []):
-                self._tell(server, number, client, None)
+        self._tell_changes()
         for part in self._gate.unsafe():
             if self._make_safe(part):
                 self._gate.made_safe(part, _now())
+
+    def _tell_changes(self) -> None:
+        """Tell the native server which leases have ended or were given: others change them, too."""
+        for number, client in self._clients.items():
+            if self._server is not None and self._held(client) != self._told.get(number, []):
+                self._tell(self._server, number, client, None)
 
     def _make_safe(self, part: str) -> bool:
         """Write the SAFE values of a part. Return False if the board did not take them."""

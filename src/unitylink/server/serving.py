@@ -14,16 +14,22 @@ from unitylink.protocol import SERVE_VERSION
 
 from .audit import Audit
 from .gate import REFUSED_BURST, REFUSED_RATE_HZ
+from .questions import answer_question
 from .rate_limit import RateLimit
 from .robot import Robot
+from .tls_files import TlsFiles
 from .tokens import Tokens, User
 
 _LOOK_S = 0.2  # how often the door looks whether the server ends
 CLIENTS_MAX = 1024  # of all robots together
+TALKS_MAX = 8  # questions that are being answered at the same time
 
 
 class Server:
     """Serves robots at HOST:PORT until `close`. `place` is where it listens.
+
+    With `tls`, all connections are encrypted. The programs that are part of the server, such as its page,
+    show one of the `own` tokens. They come in at `own_place`, which is on this machine and not encrypted.
 
         robot = Robot("arm", "serial:/dev/ttyUSB0", spec, tokens, audit)
         with Server([robot], tokens, audit, "127.0.0.1", 7450) as server:
@@ -32,16 +38,35 @@ class Server:
     Raises LinkNotFound if there is no such address here, and LinkBusy if another program has the port.
     """
 
-    def __init__(self, robots: Iterable[Robot], tokens: Tokens, audit: Audit, host: str, port: int) -> None:
+    def __init__(
+        self,
+        robots: Iterable[Robot],
+        tokens: Tokens,
+        audit: Audit,
+        host: str,
+        port: int,
+        *,
+        tls: TlsFiles | None = None,
+        own: Tokens | None = None,
+    ) -> None:
         self.robots = {robot.name: robot for robot in robots}
         self.refused = 0
-        self._tokens, self._audit = tokens, audit
+        self._audit = audit
         self._lines = RateLimit(REFUSED_RATE_HZ, REFUSED_BURST)  # a flood of refusals must not fill the disk
-        self._door = _native.Door(host, port)
-        self.place: str = self._door.place
+        files = (tls.certificate, tls.key, tls.authorities) if tls else ()
+        self._doors = [(_native.Door(host, port, *files), tokens)]
+        if tls and own:
+            self._doors.append((_native.Door("127.0.0.1", 0), own))
+        self.place: str = self._doors[0][0].place
+        self.own_place: str = self._doors[-1][0].place
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._answer, name="serve door", daemon=True)
-        self._thread.start()
+        self._talks = threading.BoundedSemaphore(TALKS_MAX)
+        self._threads = [
+            threading.Thread(target=self._answer, args=each, name="serve door", daemon=True)
+            for each in self._doors
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def __enter__(self) -> Server:
         return self
@@ -51,28 +76,32 @@ class Server:
 
     def report(self) -> dict[str, Any]:
         """Return the state of all robots, and how many callers were refused, as plain values."""
-        robots = [robot.report() for robot in self.robots.values()]
-        return {"robots": robots, "refused": self.refused, "turned_away": self._door.turned_away}
+        return {**self._told(), "robots": [robot.report() for robot in self.robots.values()]}
+
+    def _told(self) -> dict[str, Any]:
+        turned_away = sum(door.turned_away for door, _ in self._doors)
+        return {"refused": self.refused, "turned_away": turned_away}
 
     def close(self) -> None:
         """Let nobody in any more, drop all clients and close the links."""
         self._closed.set()
-        self._thread.join()
+        for thread in self._threads:
+            thread.join()
         for robot in self.robots.values():
             robot.close()
 
-    def _answer(self) -> None:
+    def _answer(self, door: _native.Door, tokens: Tokens) -> None:
         while not self._closed.is_set():
-            knock = self._door.wait(_LOOK_S)
+            knock = door.wait(_LOOK_S)
             if knock is not None:
-                self._let_in(knock)
+                self._let_in(knock, tokens)
 
-    def _let_in(self, knock: _native.Knock) -> None:
+    def _let_in(self, knock: _native.Knock, tokens: Tokens) -> None:
         """Admit or refuse one caller."""
         if knock.version != SERVE_VERSION:
             text = f"this server speaks version {SERVE_VERSION} of the login, not {knock.version}"
             return self._refuse(knock, "version", f"{text}; update the older side")
-        user = self._tokens.user(knock.token, time.time())
+        user = tokens.user(knock.token, time.time())
         if user is None:
             why = "wrong, or has expired" if knock.token else "missing"
             return self._refuse(
@@ -81,6 +110,9 @@ class Server:
                 f"the token is {why}; put it into UNITYLINK_TOKEN, or name its file: ?token_file=",
             )
         robot = self._robot(knock.board)
+        if knock.asks and (robot is not None or not knock.board):
+            robots = [robot] if robot is not None else list(self.robots.values())
+            return self._begin_answer(knock, user, robots)
         if robot is None:
             text = f"there is no board {knock.board!r}" if knock.board else "the URL names no board"
             return self._refuse(knock, "board", f"{text}; there are: {', '.join(self.robots)}", user)
@@ -92,6 +124,21 @@ class Server:
             self._refuse(knock, "token", str(error), user)
         except UnityLinkError as error:
             self._refuse(knock, "away", str(error), user)
+        return None
+
+    def _begin_answer(self, knock: _native.Knock, user: User, robots: list[Robot]) -> None:
+        """Answer a question, in a thread of its own, because the client may be slow."""
+        if not self._talks.acquire(blocking=False):
+            return self._refuse(knock, "full", f"{TALKS_MAX} clients are asking already", user)
+        talk, where = knock.converse(f"{user.name} may {user.rights}"), knock.peer
+
+        def answer() -> None:
+            try:
+                answer_question(talk, user, where, robots, self._told)
+            finally:
+                self._talks.release()
+
+        threading.Thread(target=answer, name="serve question", daemon=True).start()
         return None
 
     def _robot(self, name: str) -> Robot | None:

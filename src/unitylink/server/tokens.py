@@ -88,6 +88,10 @@ class Tokens:
             return None
         return found
 
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the users."""
+        return tuple(user.name for _, user in self._entries)
+
     def with_user(self, token: str, user: User) -> Tokens:
         """Return the same with one more user."""
         return Tokens((*self._entries, (digest(token), user)))

@@ -14,6 +14,7 @@ from unitylink.server.audit import Audit
 from unitylink.server.robot import Robot
 from unitylink.server.scopes import Rights
 from unitylink.server.serving import Server
+from unitylink.server.tls_files import TlsFiles
 from unitylink.server.tokens import Tokens, User, digest
 from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text
@@ -67,14 +68,20 @@ def token_of(token: str) -> AbstractContextManager[object]:
 
 
 @contextmanager
-def served(board: Board | None = None, url: str | None = None, spec: Spec | None = None) -> Iterator[Served]:
+def served(
+    board: Board | None = None,
+    url: str | None = None,
+    spec: Spec | None = None,
+    tls: TlsFiles | None = None,
+    silence_s: float = 0.0,
+) -> Iterator[Served]:
     spec = spec if spec is not None else arm()
     configuration = BoardConfiguration.for_spec(spec, bus_error_ranges=((REFUSED, REFUSED),))
     with board or Board(spec, configuration=configuration, endpoint="tcp") as there:
         tokens = Tokens((digest(name), User(name, Rights.of(scopes))) for name, scopes in TOKENS.items())
         lines: list[str] = []
         audit = Audit(lines.append)
-        robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec, tokens, audit)
-        with Server([robot], tokens, audit, "127.0.0.1", 0) as server:
+        robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec, tokens, audit, silence_s=silence_s)
+        with Server([robot], tokens, audit, "127.0.0.1", 0, tls=tls) as server:
             assert robot.opened.wait(20)
             yield Served(there, server, lines)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The options of `unitylink serve` about encryption."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from unitylink.server.tls_files import TlsFiles
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_OPTIONS = (
+    click.option(
+        "--tls-cert", metavar="FILE", help="Encrypt everything (TLS 1.3). The server's certificate, in PEM."
+    ),
+    click.option("--tls-key", metavar="FILE", help="Its key, if that is in another file."),
+    click.option(
+        "--tls-ca",
+        metavar="FILE",
+        help="Let in only clients whose certificate one of these has signed. They need a token, too.",
+    ),
+)
+
+
+def tls_options(command: F) -> F:
+    """Give a command `--tls-cert --tls-key --tls-ca`: the arguments of `tls_files_of`."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def tls_files_of(tls_cert: str | None, tls_key: str | None, tls_ca: str | None) -> TlsFiles | None:
+    """Return the files, checked, or None if nothing is to be encrypted."""
+    from unitylink.server.tls_files import TlsFiles
+
+    if tls_cert is None:
+        for name, value in (("--tls-key", tls_key), ("--tls-ca", tls_ca)):
+            if value is not None:
+                raise click.UsageError(f"{name} needs --tls-cert FILE, the certificate of the server")
+        return None
+    files = TlsFiles(tls_cert, tls_key or "", tls_ca or "")
+    files.check()
+    return files

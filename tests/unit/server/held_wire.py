@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A TCP line to a board that holds everything back while a test wants it."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+from collections.abc import Iterator
+from urllib.parse import urlsplit
+
+
+class HeldWire:
+    """Forwards bytes to the board while `open_` is set. What comes back is always forwarded."""
+
+    def __init__(self, board_url: str) -> None:
+        self.open_ = threading.Event()
+        self.open_.set()
+        place = urlsplit(board_url)
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"tcp://127.0.0.1:{self._listener.getsockname()[1]}"
+        self._board = socket.create_connection((place.hostname, place.port))
+        self._board.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        threading.Thread(target=self._serve, name="held wire", daemon=True).start()
+
+    def _serve(self) -> None:
+        with contextlib.suppress(OSError):
+            host, _ = self._listener.accept()
+            host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            threading.Thread(target=_forward, args=(self._board, host, None), daemon=True).start()
+            _forward(host, self._board, self.open_)
+
+    def close(self) -> None:
+        self.open_.set()
+        for one in (self._listener, self._board):
+            with contextlib.suppress(OSError):
+                one.shutdown(socket.SHUT_RDWR)
+            one.close()
+
+
+def _forward(source: socket.socket, sink: socket.socket, gate: threading.Event | None) -> None:
+    with contextlib.suppress(OSError), source, sink:
+        while data := source.recv(65536):
+            if gate is not None:
+                gate.wait()
+            sink.sendall(data)
+
+
+@contextlib.contextmanager
+def held(wire: HeldWire) -> Iterator[None]:
+    """Hold the wire within a `with` block."""
+    wire.open_.clear()
+    try:
+        yield
+    finally:
+        wire.open_.set()
