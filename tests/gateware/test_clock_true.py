@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.dshot_line import replies_of_dshot
 
@@ -69,6 +70,7 @@ PROFILE = {
     3: (1 << 24, 1 << 26, 1 << 27, 0xFFFFFFFF, 0),
     4: (1 << 20, 1 << 22, 1 << 23, 0xFFFFFF),
 }
+ABSOLUTE_ENCODER = {0: (1,) * 15 + (0,), 6: (0, 0x7FFFFFFF)}
 CASES = {
     "stepgen": (
         Case(
@@ -234,6 +236,41 @@ CASES = {
             clock_hz=50_000_000,
         ),
     ),
+    "absolute_encoder": (
+        Case(
+            "bits=5, lead_bits=2, tail_bits=1, sclk_hz=300000, sample_hz=9000, pause_us=5, failures_most=2",
+            ABSOLUTE_ENCODER,
+            pause=90,
+            quiet=400,
+        ),
+        Case(
+            "bits=9, sclk_hz=300000, sample_hz=7000, pause_us=10, zero=300",
+            ABSOLUTE_ENCODER,
+            pause=300,
+            outside=frames_of_biss,
+            device="biss_encoder",
+            clocks=40_000,
+        ),
+        Case(
+            "sclk_hz=300000, sample_hz=7000, zero=-70000",
+            ABSOLUTE_ENCODER,
+            pause=60,
+            outside=frames_of_as5047p,
+            device="as5047p",
+            clocks=60_000,
+        ),
+    ),
+    "sigma_delta_adc": (
+        Case(
+            "modulator_hz=500000, osr=8, trip_osr=4",
+            {0: (0, 1, 1, 1, 1), 2: (0, 0, 32, 32), 4: (0, 0, 30), 5: (0, 0, -9 & 0xFFFFFFFF)},
+            quiet=900,
+        ),
+        Case(
+            "channels=3, modulator_hz=1000000, osr=10", {0: (0, 1, 1), 2: (0, 0, 200)}, pause=300, quiet=300
+        ),
+        Case("channels=1, modulator_hz=290000, osr=12, trip_osr=12", {0: (0, 1, 1), 2: (0,)}, 90, 2000),
+    ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),
         Case("filter_ns=0, with_index=1", pause=2000, wait=34),
@@ -330,6 +367,19 @@ FAULTS = [
     ("quadrature_encoder", 6, "clears  <= '1';", "clears  <= '0';"),
     ("quadrature_encoder", 6, "elsif hold = '0' then", "else"),
     ("quadrature_encoder", 6, "amount(0) <= back;", "amount(0) <= '0';"),
+    ("absolute_encoder", 0, "resize(signed(value - raw), 32);", "resize(signed(value - first), 32);"),
+    ("absolute_encoder", 0, "(level xor (shift(0) and is_gray));", "level;"),
+    ("absolute_encoder", 1, "sampler <= 3 * half_clocks - 1;", "sampler <= 2 * half_clocks - 1;"),
+    ("absolute_encoder", 1, "if left < 6 then", "if left < 5 then"),
+    ("absolute_encoder", 1, "in_a_row = failures_most - 1 then", "in_a_row = 0 then"),
+    ("absolute_encoder", 2, "(second = '0' and shift = 0) or", "false or"),
+    ("absolute_encoder", 2, "if second = '1' or renews = 0 then", "if renews = 0 then"),
+    ("absolute_encoder", 2, "(not is_good or not wishbone_m2s.cyc);", "'1';"),
+    ("sigma_delta_adc", 0, "before(number) <= value;", "before(number) <= sums(number);"),
+    ("sigma_delta_adc", 0, "settled(number) <= 0;", "null;"),
+    ("sigma_delta_adc", 0, "unsigned(size) > limit", "unsigned(size) >= limit"),
+    ("sigma_delta_adc", 2, "constant take_at     : positive := 2;", "constant take_at     : positive := 1;"),
+    ("sigma_delta_adc", 2, "elsif equals(number) /= equal_most then", "elsif equals(number) < 100 then"),
     ("dshot", 0, "minimum(throttle, to_unsigned(throttle_most, 11))", "throttle"),
     ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
     ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),

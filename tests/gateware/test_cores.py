@@ -48,6 +48,32 @@ def test_more_frames_than_fit_stop_elaboration(ghdl: Any) -> None:
     ghdl.refuse("dshot_tb", "at least 16 times the bit rate, 9600000", clock_hz=9_000_000)
 
 
+@pytest.mark.parametrize(
+    ("kind", "generics"),
+    [
+        (0, {}),
+        (0, {"bits": 12, "lead_bits": 3, "tail_bits": 2, "gray": 0, "clock_hz": 12_000_000, "zero": 100}),
+        (1, {"bits": 18, "gray": 0, "sclk_hz": 5_000_000}),
+        (1, {"bits": 26, "gray": 0, "sclk_hz": 8_333_333}),
+        (2, {"bits": 14, "gray": 0, "sclk_hz": 8_333_333}),
+        (2, {"bits": 14, "gray": 0, "sclk_hz": 1_900_000, "clock_hz": 12_000_000, "zero": -5}),
+    ],
+)
+def test_absolute_encoder(ghdl: Any, kind: int, generics: dict[str, int]) -> None:
+    ghdl.run("absolute_encoder_tb", kind=kind, **generics)
+
+
+def test_more_bits_than_the_chip_has_stop_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("absolute_encoder_tb", "a device of kind 2 has at most 14 bits, got 15", kind=2, bits=15)
+
+
+@pytest.mark.parametrize(
+    ("clock_hz", "modulator_hz", "osr"), [(50_000_000, 10_000_000, 64), (48_000_000, 12_000_000, 40)]
+)
+def test_sigma_delta_adc(ghdl: Any, clock_hz: int, modulator_hz: int, osr: int) -> None:
+    ghdl.run("sigma_delta_adc_tb", clock_hz=clock_hz, modulator_hz=modulator_hz, osr=osr)
+
+
 @pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])
 def test_bridge_gates(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("bridge_gates_tb", clock_hz=clock_hz, fault_level=fault_level)

@@ -102,6 +102,26 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "absolute_encoder",
+        "`components/absolute_encoder`, its lines with SSI: 2 bits, half a period of 3 clocks, a pause of 10",
+        depth=30,
+        pdr=True,
+        reach=60,
+        not_proven="BiSS-C, SPI, other numbers of bits and rates, checks, position: the bench has them",
+        mutants=(
+            Mutant(
+                "absolute_encoder_line.vhd", "timer    <= half_clocks - 1;", "timer    <= half_clocks - 2;"
+            ),
+            Mutant("absolute_encoder_line.vhd", "if takes and left = 0 then", "if takes and left = 1 then"),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "state <= resting;\n            timer <= pause_clocks - 1;",
+                "state <= resting;\n            timer <= 0;",
+            ),
+            Mutant("absolute_encoder_line.vhd", "sclk  <= rest;", "sclk  <= not sclk and level;"),
+        ),
+    ),
+    Block(
         "spi_device",
         "`components/spi_device`, its lines: mode 1, half a period of 2 clocks, pauses of 3",
         depth=20,

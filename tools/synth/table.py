@@ -277,6 +277,13 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "absolute_encoder",
+        "a component: an absolute encoder of 13 bits with SSI, in Gray code",
+        top="absolute_encoder",
+        cells_most=720,
+        mhz_least=50.0,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

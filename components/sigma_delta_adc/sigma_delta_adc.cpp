@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The model of sigma_delta_adc.vhd, with its sigma_delta_adc_sinc3.vhd.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "device/component/component.hpp"
+
+namespace unitylink::device {
+
+namespace {
+
+// Three sums at the rate of the bits, and three differences for each value.
+class Sinc3 {
+ public:
+  Sinc3() = default;
+  explicit Sinc3(std::uint32_t osr) : osr_(osr), left_(osr - 1), width_(bits_of(osr * osr * osr)) {}
+
+  // True: a value is there.
+  bool take(bool bit) noexcept {
+    sums_[2] += sums_[1];
+    sums_[1] += sums_[0];
+    sums_[0] += bit ? 1 : 0;
+    if (left_ != 0) {
+      --left_;
+      return false;
+    }
+    left_ = osr_ - 1;
+    std::uint32_t value = sums_[2];
+    for (std::uint32_t& before : before_) {
+      value -= std::exchange(before, value);
+    }
+    value_ = value & ((1u << width_) - 1);
+    return true;
+  }
+  [[nodiscard]] std::uint32_t width() const noexcept { return width_; }
+  // From the middle, where half of the bits are 1.
+  [[nodiscard]] std::int32_t value() const noexcept {
+    return static_cast<std::int32_t>(value_) - static_cast<std::int32_t>(osr_ * osr_ * osr_ / 2);
+  }
+
+ private:
+  static std::uint32_t bits_of(std::uint64_t number) noexcept {
+    std::uint32_t bits = 1;
+    while (std::uint64_t{1} << bits < number + 1) {
+      ++bits;
+    }
+    return bits;
+  }
+
+  std::uint32_t osr_ = 1;
+  std::uint32_t left_ = 0;
+  std::uint32_t width_ = 1;
+  std::array<std::uint32_t, 3> sums_{};
+  std::array<std::uint32_t, 3> before_{};
+  std::uint32_t value_ = 0;
+};
+
+class SigmaDeltaAdc final : public Component {
+ public:
+  explicit SigmaDeltaAdc(const ComponentConfiguration& from)
+      : Component(from, writable(static_cast<std::uint32_t>(from.generic("channels", 2))), false),
+        channels_(static_cast<std::uint32_t>(from.generic("channels", 2))),
+        period_(static_cast<Clock>(std::max<std::int64_t>(
+            4, (from.generic("clock_hz", 50'000'000) - 1) / from.generic("modulator_hz", 10'000'000) + 1))) {
+    for (Channel& one : channel_) {
+      one.slow = Sinc3(static_cast<std::uint32_t>(from.generic("osr", 64)));
+      one.fast = Sinc3(static_cast<std::uint32_t>(from.generic("trip_osr", 8)));
+    }
+    word(status, 4, 0);  // all are lost
+    if (!outputs().empty()) {
+      output(trip, true, never);  // state 0 has it
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t channels_most = 3;
+  static constexpr std::uint32_t equal_most = 128;  // bits
+  static constexpr std::uint32_t settles = 4;       // values
+  static constexpr Clock take_at = 2;               // clocks behind the rise of mclk
+  static constexpr Clock filter_clocks = 4;         // from the take of the last bit to the value
+
+  static std::string writable(std::uint32_t channels) {
+    return "1010" + std::string(channels, '1') + std::string(channels, '0');
+  }
+
+  enum Register : std::uint32_t { control, status, limit, stamp, offset };
+  enum Output : std::uint32_t { mclk, trip };
+  enum Event : std::uint32_t { sampled, tripped };
+
+  struct Channel {
+    Sinc3 slow;
+    Sinc3 fast;
+    std::uint32_t equals = equal_most;  // bits, beyond the first one
+    std::uint32_t settled = 0;          // values
+    std::int32_t value = 0;
+    bool before = false;
+    bool lost = true;
+    bool beyond = false;
+  };
+
+  static std::int64_t signed_of(std::uint32_t word, std::uint32_t bits) noexcept {
+    const std::int64_t sign = std::int64_t{1} << (bits - 1);
+    return ((std::int64_t{word} & (2 * sign - 1)) ^ sign) - sign;
+  }
+  [[nodiscard]] std::int32_t offset_of(std::uint32_t number) const noexcept {
+    return static_cast<std::int32_t>(signed_of(write_word(offset + number), channel_[0].slow.width() + 1));
+  }
+  [[nodiscard]] std::uint32_t limit_now() const noexcept {
+    return write_word(limit) & ((1u << channel_[0].fast.width()) - 1);
+  }
+  [[nodiscard]] std::uint32_t all() const noexcept { return (1u << channels_) - 1; }
+
+  [[nodiscard]] Clock next() const noexcept override { return std::min({next_, slow_at_, fast_at_}); }
+
+  void step(Clock edge) override {
+    const bool enable = (write_word(control) & 1u) != 0;
+    const std::uint32_t lost_before = lost_;
+    const std::uint32_t beyond_before = beyond_;
+    const bool ran = running_;
+    const bool had_enable = enabled_before_;
+    bool changes = false;
+    const Clock place = edge % period_;
+    if (place == 0) {
+      output(mclk, true, edge);
+      bits_ = pins_;
+    } else if (place == period_ / 2) {
+      output(mclk, false, edge);
+    }
+    changes = settle(edge) || changes;
+    if (edge == fast_at_) {
+      fast_at_ = never;
+      compare();
+    }
+    if (place == take_at) {
+      changes = take(edge) || changes;
+    }
+    const std::uint32_t bad = lost_before | beyond_before;
+    if (!enable) {
+      running_ = false;
+    } else if (ran && bad != 0) {
+      stop(bad, edge);
+    } else if (!had_enable) {
+      running_ = is_tripped_ = false;
+      culprits_ = bad;
+      if (bad != 0) {
+        stop(bad, edge);
+      } else {
+        running_ = true;
+      }
+    }
+    enabled_before_ = enable;
+    changes = changes || lost_ != lost_before || beyond_ != beyond_before || running_ != ran || had_enable != enable;
+    tell(edge);
+    next_ = changes ? edge + 1 : next_place(edge);
+  }
+
+  void stop(std::uint32_t bad, Clock edge) {
+    running_ = false;
+    is_tripped_ = true;
+    culprits_ = bad;
+    event(tripped, edge);
+  }
+
+  // Values that are there now, and channels without bits. Returns whether the next edge has to look again.
+  bool settle(Clock edge) {
+    const bool fresh = edge == slow_at_;
+    bool changes = false;
+    lost_ = 0;
+    for (std::uint32_t number = 0; number < channels_; ++number) {
+      Channel& one = channel_[number];
+      const std::uint32_t before = one.settled;
+      if (fresh) {
+        one.value = one.slow.value() - offset_of(number);
+        one.settled = std::min(before + 1, settles);
+      }
+      if (one.equals == equal_most) {
+        one.settled = 0;
+      }
+      lost_ |= before != settles ? 1u << number : 0;
+      changes = changes || one.settled != before;
+    }
+    if (fresh) {
+      slow_at_ = never;
+      event(sampled, edge);
+      word(stamp, static_cast<std::uint32_t>(edge), edge);
+    }
+    return changes;
+  }
+
+  void compare() noexcept {
+    beyond_ = 0;
+    for (std::uint32_t number = 0; number < channels_; ++number) {
+      const std::uint32_t most = limit_now();
+      const auto size = static_cast<std::uint32_t>(std::abs(channel_[number].fast.value()));
+      beyond_ |= most != 0 && size > most ? 1u << number : 0;
+    }
+  }
+
+  bool take(Clock edge) noexcept {
+    bool changes = false;
+    for (std::uint32_t number = 0; number < channels_; ++number) {
+      Channel& one = channel_[number];
+      const bool level = (bits_ >> number & 1u) != 0;
+      const std::uint32_t equals = level != one.before ? 0 : std::min(one.equals + 1, equal_most);
+      changes = changes || (equals == equal_most) != (one.equals == equal_most);
+      one.equals = equals;
+      one.before = level;
+      if (one.slow.take(level)) {
+        slow_at_ = edge + filter_clocks;
+      }
+      if (one.fast.take(level)) {
+        fast_at_ = edge + filter_clocks;
+      }
+    }
+    return changes;
+  }
+
+  [[nodiscard]] Clock next_place(Clock edge) const noexcept {
+    Clock soonest = never;
+    for (const Clock place : {Clock{0}, take_at, period_ / 2}) {
+      soonest = std::min(soonest, edge + 1 + (place + period_ - (edge + 1) % period_) % period_);
+    }
+    return soonest;
+  }
+
+  void tell(Clock edge) {
+    word(status, (running_ ? 1u : 0u) | (is_tripped_ ? 2u : 0u) | (lost_ != 0 ? 4u : 0u) | culprits_ << 4, edge);
+    output(trip, !running_, edge);
+    for (std::uint32_t number = 0; number < channels_; ++number) {
+      const auto value = static_cast<std::uint32_t>(channel_[number].value);
+      word(offset + channels_ + number, value, edge);
+      wire(number, {value, running_}, edge);
+    }
+  }
+
+  void stored(std::uint32_t address, Clock edge) override {
+    const std::uint32_t value = write_word(address);
+    if (address == control) {
+      word(address, value & 1u, edge);
+    } else if (address == limit) {
+      word(address, limit_now(), edge);
+    } else {
+      word(address, static_cast<std::uint32_t>(offset_of(address - offset)), edge);
+    }
+  }
+
+  void driven(std::uint32_t pin, bool level, Clock /*edge*/) override {
+    pins_ = (pins_ & ~(1u << pin)) | (level ? 1u << pin : 0);
+  }
+
+  std::uint32_t channels_;
+  Clock period_;
+  std::array<Channel, channels_most> channel_{};
+  std::uint32_t pins_ = 0;
+  std::uint32_t bits_ = 0;  // as the clock rose
+  std::uint32_t lost_ = 7;
+  std::uint32_t beyond_ = 0;
+  std::uint32_t culprits_ = 0;
+  bool enabled_before_ = true;
+  bool running_ = false;
+  bool is_tripped_ = false;
+  Clock slow_at_ = never;  // the edge that takes new values
+  Clock fast_at_ = never;
+  Clock next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Component> make_sigma_delta_adc(const ComponentConfiguration& from) {
+  return std::make_unique<SigmaDeltaAdc>(from);
+}
+
+}  // namespace unitylink::device
