@@ -4,13 +4,11 @@
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <random>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "bindings.hpp"
@@ -392,6 +390,8 @@ void bind_board(nb::module_& module) {
       .def("drive", &Board::drive, nb::arg("component"), nb::arg("pin"), nb::arg("level"), Release())
       .def("attach_spi", &attach_spi<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_esc", &attach_esc<PythonBoard>, nb::keep_alive<0, 1>())
+      .def("attach_i2c", &attach_i2c<PythonBoard>, nb::keep_alive<0, 1>())
+      .def("attach_servo", &attach_servo<PythonBoard>, nb::keep_alive<0, 1>())
       .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())
       .def(
           "turn",

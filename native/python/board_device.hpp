@@ -17,7 +17,7 @@ namespace unitylink::python {
 struct BoardDevice {
   device::Board* board;
   std::uint32_t component;
-  std::uint32_t out;  // the first of its lines
+  std::uint32_t out;  // its place: the first of its lines, and 256 more for each id of a servo
 };
 
 using SpiPins = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
@@ -45,6 +45,33 @@ std::optional<BoardDevice> attach_esc(PythonBoard& self, std::uint32_t component
     return std::nullopt;
   }
   return BoardDevice{&self, component, out};
+}
+
+// Puts a servo of a bus at the pins out, enable and in of a component. Lengths are clocks. None: it has no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_servo(PythonBoard& self, std::uint32_t component,
+                                        const std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>& pins, double bit,
+                                        double answer, bool feetech, std::uint8_t id) {
+  const auto [out, enable, in] = pins;
+  const GilRelease released;
+  if (!self.attach(component, device::ServoLines{out, enable, in, bit, answer, feetech, id})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component, out + 256u * id};
+}
+
+using I2cPins = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
+
+// Puts a device on I2C at pins of a component: scl_drive, sda_drive, scl_in and sda_in. None: it has no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_i2c(PythonBoard& self, std::uint32_t component, const I2cPins& pins,
+                                      std::uint8_t address, std::uint8_t width) {
+  const auto [scl_drive, sda_drive, scl_in, sda_in] = pins;
+  const GilRelease released;
+  if (!self.attach(component, device::I2cLines{scl_drive, sda_drive, scl_in, sda_in, address, width})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component, scl_drive};
 }
 
 }  // namespace unitylink::python

@@ -237,6 +237,19 @@ class Board:
     def attach_esc(
         self, component: int, pins: tuple[int, int], bit: float, answer: float, replies: bool, /
     ) -> BoardDevice | None: ...
+    def attach_i2c(
+        self, component: int, pins: tuple[int, int, int, int], address: int, width: int, /
+    ) -> BoardDevice | None: ...
+    def attach_servo(
+        self,
+        component: int,
+        pins: tuple[int, int, int],
+        bit: float,
+        answer: float,
+        feetech: bool,
+        number: int,
+        /,
+    ) -> BoardDevice | None: ...
     def count_by(self, component: int, pin: int, direction: int) -> bool: ...
     def turn(
         self, component: int, lines: tuple[int, int, int], per_turn: int, counts: int, seconds: float

@@ -29,6 +29,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("servo", [], "the limit switch has closed, 1 in all"),
         ("diff_drive", [], "back, "),
         ("scara_stepper", [], "the arm is home again"),
+        ("bus_arm", [], "the arm is home, and holds"),
         ("xyz_stage", [], "corner 60, 60: the counters are at 60.0000, 60.0000 mm"),
         ("position_loop", [], "the loop is off: duty 0.0"),
         ("position_loop", ["--rtl"], "the loop is off: duty 0.0"),

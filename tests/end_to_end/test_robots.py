@@ -41,6 +41,13 @@ class Robot(NamedTuple):
     moved: Callable[[Board], float]  # a number that stays the same when its outputs are safe
 
 
+def until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
 def start_stage(board: Node) -> None:
     item: Any = board
     item["motor.speed[0]"].write(100.0)
@@ -65,6 +72,13 @@ def start_cart(board: Node) -> None:
     item["left_motor.control"].write({"enable": True, "coast": True})
 
 
+def start_bus_arm(board: Node) -> None:
+    item: Any = board
+    until(lambda: item["arm.status[6]"].read().valid)
+    item["arm.goal[0]"].write(0.5)
+    item["arm.drive[0]"].write("follow")
+
+
 def pulses(board: Board) -> float:
     """Return the pulses of a motor. A pin that stays low has none."""
     bridge = board.components["left_motor"]
@@ -72,6 +86,12 @@ def pulses(board: Board) -> float:
 
 
 ROBOTS = {
+    "bus_arm": Robot(
+        8_000_000,
+        {"joint_states": "sensor_msgs/JointState", "joint_commands": "sensor_msgs/JointState"},
+        start_bus_arm,
+        lambda board: sum(board.components["arm"].servo(number).goal for number in range(7)),
+    ),
     "diff_drive": Robot(
         1_000_000,
         {
@@ -96,13 +116,6 @@ ROBOTS = {
         lambda board: board.components["motor"].steps("step", "direction", 0),
     ),
 }
-
-
-def until(true: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE_S
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def board_of(name: str, kind: type[Board]) -> Board:

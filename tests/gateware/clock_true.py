@@ -199,7 +199,8 @@ class Case:
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
     a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
     turns, turns back, and rests: its edges are so many clocks apart. `rest` is the level of all pins between
-    two bursts. Without it they stay as they are.
+    two bursts. Without it they stay as they are. `answers` gives the changes of the pins from the accesses,
+    for a component that must be answered: it plays its model to see what is asked.
     """
 
     arguments: str = ""
@@ -217,6 +218,9 @@ class Case:
     clocks: int = 20_000
     clock_hz: int = 2_300_000  # so that a microsecond is no whole number of clocks
     outside: Callable[[random.Random, int], Iterator[Stimulus]] | None = None
+    answers: (
+        Callable[[random.Random, ComponentConfiguration, Sequence[Stimulus], int], Iterator[Stimulus]] | None
+    ) = None
     rest: int | None = None
 
 
@@ -227,6 +231,8 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
     """
     draw = random.Random(seed)
     accesses = list(_accesses(draw, one, case, end))
+    if case.answers:
+        return in_order([*accesses, *case.answers(draw, one, accesses, end)], end)
     busy = {at + more for at, what, _, _ in accesses if what in "rw" for more in range(case.slow + 2)}
     changes = case.outside(draw, end) if case.outside else _pins(draw, one, case, end)
     pins = [
@@ -234,10 +240,19 @@ def random_stimuli(one: ComponentConfiguration, case: Case, end: int, seed: int)
         for pin in (_shaft(draw, case, end) if case.shaft else changes)
         if pin[2] not in case.still and not (case.slow and pin[0] in busy)
     ]
-    found = [*accesses, *pins]
+    return in_order([*accesses, *pins], end)
+
+
+def in_order(stimuli: Sequence[Stimulus], end: int) -> list[Stimulus]:
+    """Return the stimuli before a clock as they happen.
+
+    A block is closed before anything else of its clock begins.
+    """
     order = {"p": 0, "c": 1, "r": 2, "w": 2}
-    # a block is closed before anything else of its clock begins
-    return sorted(found, key=lambda s: (s[0], order[s[1]] - (s[1] == "c" and s[3] == 0) * 2, s[2]))
+    return sorted(
+        (one for one in stimuli if one[0] < end),
+        key=lambda s: (s[0], order[s[1]] - (s[1] == "c" and s[3] == 0) * 2, s[2]),
+    )
 
 
 def _accesses(draw: random.Random, one: ComponentConfiguration, case: Case, end: int) -> Iterator[Stimulus]:

@@ -11,6 +11,7 @@ import pytest
 from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.dshot_line import replies_of_dshot
+from gateware.servo_line import replies_of_servos
 
 from unitylink import _native
 from unitylink.interface.components import ComponentConfiguration, components_of
@@ -71,6 +72,12 @@ PROFILE = {
     4: (1 << 20, 1 << 22, 1 << 23, 0xFFFFFF),
 }
 ABSOLUTE_ENCODER = {0: (1,) * 15 + (0,), 6: (0, 0x7FFFFFFF)}
+# Words of up to three servos, and the control behind them, which is seldom 0.
+SERVO_BUS = {8 * n: (0, 1, 1, 2, 2, 2, 3) for n in range(2)} | {
+    **{8 * n + 1: (0, 1, 2048, 0xFFFF, 0xFDFF, 0x8000) for n in range(3)},
+    16: (1, *[3] * 20, 0),
+    24: (*[1] * 20, 0),
+}
 CASES = {
     "stepgen": (
         Case(
@@ -182,6 +189,27 @@ CASES = {
             outside=replies_of_dshot,
         ),
         Case("channels=1, kbaud=120, frame_hz=1500, bidirectional=1", pause=200, quiet=400),
+    ),
+    "servo_bus": (
+        Case(
+            "servos=2, baud_hz=230400, cycle_hz=200, timeout_us=300, failures_most=2",
+            SERVO_BUS,
+            900,
+            clocks=240_000,
+            answers=replies_of_servos,
+        ),
+        Case(
+            "servos=2, protocol=1, baud_hz=280000, cycle_hz=450, timeout_us=200, gap_us=7, failures_most=2",
+            SERVO_BUS,
+            900,
+            clocks=160_000,
+            answers=replies_of_servos,
+        ),
+        Case(
+            "servos=1, protocol=1, baud_hz=57600, cycle_hz=400, timeout_us=20, gap_us=1",
+            SERVO_BUS,
+            300,
+        ),
     ),
     "i2c_device": (
         Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),
@@ -380,6 +408,12 @@ FAULTS = [
     ("sigma_delta_adc", 0, "unsigned(size) > limit", "unsigned(size) >= limit"),
     ("sigma_delta_adc", 2, "constant take_at     : positive := 2;", "constant take_at     : positive := 1;"),
     ("sigma_delta_adc", 2, "elsif equals(number) /= equal_most then", "elsif equals(number) < 100 then"),
+    ("servo_bus", 1, "engaged(number) <= or drive and known;", "engaged(number) <= or drive;"),
+    ("servo_bus", 0, "place > 7 and place <= rules.check_place", "place > 7 and place < rules.check_place"),
+    ("servo_bus", 1, "if value(sign_bit) = '1' then", "if value(15) = '1' then"),
+    ("servo_bus", 1, "if in_a_row = failures_most - 1 then", "if in_a_row = failures_most then"),
+    ("servo_bus", 1, "reasons(number) <= any & not any;", "reasons(number) <= not any & any;"),
+    ("servo_bus", 1, "holding(number) <= not drive(1)", "holding(number) <= drive(1)"),
     ("dshot", 0, "minimum(throttle, to_unsigned(throttle_most, 11))", "throttle"),
     ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
     ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),

@@ -74,6 +74,17 @@ def test_sigma_delta_adc(ghdl: Any, clock_hz: int, modulator_hz: int, osr: int) 
     ghdl.run("sigma_delta_adc_tb", clock_hz=clock_hz, modulator_hz=modulator_hz, osr=osr)
 
 
+@pytest.mark.parametrize(
+    ("protocol", "clock_hz", "baud_hz"), [(0, 16_000_000, 2_000_000), (1, 12_000_000, 1_000_000)]
+)
+def test_servo_bus(ghdl: Any, protocol: int, clock_hz: int, baud_hz: int) -> None:
+    ghdl.run("servo_bus_tb", protocol=protocol, clock_hz=clock_hz, baud_hz=baud_hz)
+
+
+def test_a_clock_that_is_too_slow_for_the_bus_of_servos_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("servo_bus_tb", "a bit needs 8 clocks or more; 2000000 baud", clock_hz=15_000_000)
+
+
 @pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])
 def test_bridge_gates(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("bridge_gates_tb", clock_hz=clock_hz, fault_level=fault_level)

@@ -33,6 +33,13 @@ class Panel:
 
 
 PICTURES = {
+    "bus_arm": (
+        "An arm on bus servos picks something up",
+        (
+            Panel("shoulder", "time in s", "rad", (("goal", 0, 2), ("angle", 0, 9))),
+            Panel("base and elbow", "time in s", "rad", (("base", 0, 8), ("elbow", 0, 10))),
+        ),
+    ),
     "diff_drive": (
         "A cart with two wheels drives a square",
         (

@@ -284,6 +284,12 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "servo_bus",
+        "a component: six servos of Dynamixel on one line",
+        top="servo_bus",
+        mhz_least=50.0,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

@@ -9,10 +9,18 @@ from unitylink import _native
 from unitylink.errors import ValueRangeError
 from unitylink.interface.components import ComponentConfiguration
 
+from .bus_servo import BusServo
 from .device_registers import DeviceRegisters
 from .speed_controller import SpeedController
 
-_ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller
+_ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller or of a servo
+_FRAME_BEGINS = 0x2000  # in a word of the program of a device, if its bits 15 and 14 are not both 1
+
+
+def _address_of(program: str) -> int:
+    """Return the address of a device on I²C: it is in the byte that begins a frame."""
+    words = (int(program[place : place + 4], 16) for place in range(0, len(program), 4))
+    return next((word & 0xFF) >> 1 for word in words if word < 0xC000 and word & _FRAME_BEGINS)
 
 
 class BoardComponent:
@@ -43,6 +51,7 @@ class BoardComponent:
         self._pulses: dict[int, tuple[int, float]] = {}  # pin -> pulses and high time at the last look
         self._device: DeviceRegisters | None = None
         self._controllers: dict[int, SpeedController] = {}
+        self._servos: dict[int, BusServo] = {}
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -114,17 +123,33 @@ class BoardComponent:
 
     @property
     def device(self) -> DeviceRegisters:
-        """The registers of the device at the pins of an `spi_device`. The first look puts it there.
+        """The registers of the device at the pins of an `spi_device` or `i2c_device`.
+
+        The first look puts it there.
 
         imu = board.components["imu"].device
         imu[0x75] = 0x47                      # it says who it is
         imu[0x1D:0x1F] = bytes([0x12, 0x34])  # both at once
         """
+        return self.device_with(register_bytes=1)
+
+    def device_with(self, *, register_bytes: int) -> DeviceRegisters:
+        """Return the device, whose registers have one byte or two. Its bytes are counted all the same.
+
+        converter = board.components["converter"].device_with(register_bytes=2)
+        converter[2 * 3 : 2 * 3 + 2] = bytes([0x12, 0x34])  # the register 3, on I²C
+        """
         if self._device is None:
-            select_n, sclk, mosi = (self._pin("out", name, 0) for name in ("select_n", "sclk", "mosi"))
-            pins = select_n, sclk, mosi, self._pin("in", "miso", 0)
-            mode = dict(self.configuration.generics).get("mode", 0)
-            found = self._native.attach_spi(self._number, pins, int(mode))
+            facts = dict(self.configuration.generics)
+            if self.configuration.entity == "i2c_device":
+                scl, sda = (self._pin("out", f"{line}_drive", 0) for line in ("scl", "sda"))
+                lines = scl, sda, self._pin("in", "scl_in", 0), self._pin("in", "sda_in", 0)
+                address = _address_of(str(facts["program"]))
+                found = self._native.attach_i2c(self._number, lines, address, register_bytes)
+            else:
+                select_n, sclk, mosi = (self._pin("out", name, 0) for name in ("select_n", "sclk", "mosi"))
+                pins = select_n, sclk, mosi, self._pin("in", "miso", 0)
+                found = self._native.attach_spi(self._number, pins, int(facts.get("mode", 0)))
             if found is None:
                 raise self._without_pins()
             self._device = DeviceRegisters(found, self.configuration.path)
@@ -147,6 +172,30 @@ class BoardComponent:
                 raise self._without_pins()
             self._controllers[channel] = SpeedController(DeviceRegisters(found, self.configuration.path))
         return self._controllers[channel]
+
+    def servo(self, number: int = 0) -> BusServo:
+        """Return one of the servos of a `servo_bus`. The first call puts it there.
+
+        servo = board.components["arm"].servo(0)
+        servo.tell(position=2048)
+        servo.goal  # counts
+        """
+        if number not in self._servos:
+            pins = self._pin("out", "tx", 0), self._pin("out", "tx_enable", 0), self._pin("in", "rx", 0)
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            if not 0 <= number < facts["servos"]:
+                raise ValueRangeError(
+                    f"{self.configuration.path} has {facts['servos']} servos: choose 0 to "
+                    f"{facts['servos'] - 1}, not {number}"
+                )
+            bit, answer = facts["clock_hz"] / facts["baud_hz"], _ANSWER_S * facts["clock_hz"]
+            feetech = bool(facts["protocol"])
+            one = facts["first_id"] + number
+            found = self._native.attach_servo(self._number, pins, bit, answer, feetech, one)
+            if found is None:
+                raise self._without_pins()
+            self._servos[number] = BusServo(DeviceRegisters(found, self.configuration.path), feetech)
+        return self._servos[number]
 
     def _look(self, port: str, bit: int) -> tuple[bool, int, int, float, float]:
         seen = self._native.look(self._number, self._pin("out", port, bit))

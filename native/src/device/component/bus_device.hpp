@@ -39,6 +39,27 @@ struct EscLines {
   bool replies = false;  // it is bidirectional
 };
 
-using DeviceLines = std::variant<SpiLines, EscLines>;
+// The line of a bus of servos: places among the outputs and the inputs. Lengths are clocks.
+struct ServoLines {
+  std::uint32_t out = 0;
+  std::uint32_t enable = 1;
+  std::uint32_t in = 0;
+  double bit = 1;     // the length of a bit
+  double answer = 1;  // from the end of a question to the reply
+  bool feetech = false;
+  std::uint8_t id = 1;
+};
+
+// The lines of a device on I2C: places among the outputs and the inputs. `width` is the bytes of a register.
+struct I2cLines {
+  std::uint32_t scl_drive = 1;
+  std::uint32_t sda_drive = 3;
+  std::uint32_t scl_in = 0;
+  std::uint32_t sda_in = 1;
+  std::uint8_t address = 0;
+  std::uint8_t width = 1;
+};
+
+using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines>;
 
 }  // namespace unitylink::device

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "device/component/bus_servo.hpp"
+#include "device/component/i2c_registers.hpp"
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
 
@@ -31,8 +33,10 @@ Place place_of(const ComponentConfiguration& configuration, const std::string& p
   return {};
 }
 
-std::uint32_t first_output(const SpiLines& lines) noexcept { return lines.select_n; }
-std::uint32_t first_output(const EscLines& lines) noexcept { return lines.out; }
+std::uint32_t device_place(const SpiLines& lines) noexcept { return lines.select_n; }
+std::uint32_t device_place(const EscLines& lines) noexcept { return lines.out; }
+std::uint32_t device_place(const I2cLines& lines) noexcept { return lines.scl_drive; }
+std::uint32_t device_place(const ServoLines& lines) noexcept { return lines.out + 256u * lines.id; }
 
 }  // namespace
 
@@ -74,14 +78,14 @@ bool Pins::settle(const TwoWay& pin, Clock at) {
 }
 
 BusDevice* Pins::attach(std::uint32_t component, const DeviceLines& lines, Clock now) {
-  const std::uint32_t out = std::visit([](const auto& one) { return first_output(one); }, lines);
-  if (attached(component, out) == nullptr) {
+  const std::uint32_t place = std::visit([](const auto& one) { return device_place(one); }, lines);
+  if (attached(component, place) == nullptr) {
     auto made = std::visit([&](const auto& one) { return device_at(component, one, now); }, lines);
     if (made != nullptr) {
-      devices_[{component, out}] = std::move(made);
+      devices_[{component, place}] = std::move(made);
     }
   }
-  return attached(component, out);
+  return attached(component, place);
 }
 
 std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const SpiLines& lines, Clock now) {
@@ -103,8 +107,34 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const EscLin
   return std::make_unique<SpeedController>(*this, component, lines, now);
 }
 
-BusDevice* Pins::attached(std::uint32_t component, std::uint32_t out) const noexcept {
-  const auto found = devices_.find({component, out});
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const ServoLines& lines, Clock now) {
+  for (const std::uint32_t pin : {lines.out, lines.enable}) {
+    if (output(component, pin, now) == nullptr) {
+      return nullptr;
+    }
+  }
+  if (!drive(component, lines.in, true, now)) {
+    return nullptr;
+  }
+  return std::make_unique<BusServo>(*this, component, lines, now);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const I2cLines& lines, Clock now) {
+  for (const std::uint32_t pin : {lines.scl_drive, lines.sda_drive}) {
+    if (output(component, pin, now) == nullptr) {
+      return nullptr;
+    }
+  }
+  for (const std::uint32_t pin : {lines.scl_in, lines.sda_in}) {  // both have a pull-up
+    if (!drive(component, pin, true, now)) {
+      return nullptr;
+    }
+  }
+  return std::make_unique<I2cRegisters>(*this, component, lines, now);
+}
+
+BusDevice* Pins::attached(std::uint32_t component, std::uint32_t place) const noexcept {
+  const auto found = devices_.find({component, place});
   return found == devices_.end() ? nullptr : found->second.get();
 }
 

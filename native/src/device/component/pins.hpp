@@ -42,8 +42,9 @@ class Pins {
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
   // Puts a device at the pins of a component, once. nullptr: it has no such pins.
   BusDevice* attach(std::uint32_t component, const DeviceLines& lines, Clock now);
-  // The device whose first line is this output of a component, or nullptr.
-  [[nodiscard]] BusDevice* attached(std::uint32_t component, std::uint32_t out) const noexcept;
+  // The device at this place of a component, or nullptr. The place is that of its first output, and for one of many
+  // servos on a line 256 more for each id.
+  [[nodiscard]] BusDevice* attached(std::uint32_t component, std::uint32_t place) const noexcept;
   // Drives an input later, as a device does that answers.
   void drive_at(std::uint32_t component, std::uint32_t pin, bool level, Clock at);
   // When the next line changes that somebody waits for. The others change when the component is asked.
@@ -76,6 +77,8 @@ class Pins {
   bool settle(const TwoWay& pin, Clock at);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const SpiLines& lines, Clock now);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const EscLines& lines, Clock now);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const ServoLines& lines, Clock now);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const I2cLines& lines, Clock now);
 
   struct Shaft {
     std::int64_t counts = 0;  // that the lines show
