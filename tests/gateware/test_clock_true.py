@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
+from gateware.clock_true_faults import FAULTS
 from gateware.dshot_line import replies_of_dshot
 from gateware.servo_line import replies_of_servos
 
@@ -349,102 +350,6 @@ def test_model_is_clock_true(ghdl: Any, tmp_path: Path, name: str, number: int) 
     one = configuration(name, case)
     stimuli = random_stimuli(one, case, case.clocks, seed=number)
     compare(type(ghdl), tmp_path, one, stimuli, case.clocks)
-
-
-# Faults of the VHDL: (component, case, text, what replaces it). Each must make a difference to the model.
-FAULTS = [
-    ("stepgen", 0, "count <= count + 1;", "count <= count + 2;"),
-    ("stepgen", 0, "source_before(number)  <= '1';", "source_before(number)  <= '0';"),
-    ("stepgen", 0, "places - 1;\n          speeds <= '0';", "places - 1;\n          speeds <= '1';"),
-    (
-        "stepgen",
-        1,
-        "result(term_long)  := std_ulogic_vector(to_unsigned(short_clocks + 1,",
-        "result(term_long)  := std_ulogic_vector(to_unsigned(short_clocks,",
-    ),
-    ("stepgen", 1, "state = resting and down /= direction", "down /= direction"),
-    ("stepgen", 1, "timer <= length_clocks - 1;", "timer <= length_clocks - 2;"),
-    ("gpio", 0, "before  <= levels;", "before  <= levels and not before;"),
-    ("gpio", 0, "pin_out <= pin_out and not write_words(4)", "pin_out <= not write_words(4)"),
-    ("gpio", 2, "snapshot => true", "snapshot => false"),
-    ("pwm", 0, "left    <= to_unsigned(period - 1,", "left    <= to_unsigned(period - 2,"),
-    ("pwm", 0, "late          <= writes and reads;", "late          <= '0';"),
-    ("pwm", 0, "to_signed(2 * factor,", "to_signed(2 * factor - 1,"),
-    ("pwm", 0, "if servo = 0 and word(word'high) = '1'", "if servo = 1 and word(word'high) = '1'"),
-    ("pwm", 1, "      if enable = '0' then", "      if reset = '1' then"),
-    ("pwm", 2, "return to_unsigned(servo_maximum_us,", "return to_unsigned(servo_maximum_us + 1,"),
-    ("estop", 0, "enabled_before = '0' and is_open = '0'", "enabled_before = '0'"),
-    ("estop", 1, "silent_clocks = watchdog_clocks;", "silent_clocks = watchdog_clocks - 1;"),
-    ("estop", 1, "          late   <= '1';", "          late   <= '0';"),
-    ("quadrature_encoder", 3, "given  <= preset;", "given  <= '0';"),
-    ("quadrature_encoder", 0, "total                := by;", "total                := (others => '0');"),
-    ("quadrature_encoder", 0, "if has_index(channel) = '0' then", "if true then"),
-    ("quadrature_encoder", 3, "preset     <= hit;", "preset     <= '0';"),
-    ("quadrature_encoder", 0, "thawed or (put and last)", "thawed"),
-    ("quadrature_encoder", 1, "a(channel) xor b_before(channel)", "a(channel) xor b(channel)"),
-    (
-        "quadrature_encoder",
-        2,
-        "clocks_lasting(filter_ns, clock_hz)",
-        "clocks_lasting(filter_ns, clock_hz) - 1",
-    ),
-    ("quadrature_encoder", 4, "elapsed   <= since + 1;", "elapsed   <= since;"),
-    ("quadrature_encoder", 4, "way := moved + 1;", "way := moved;"),
-    ("quadrature_encoder", 4, "if is_bound = '0' or fits = '0' then", "if is_bound = '0' then"),
-    ("quadrature_encoder", 4, "(since = stall_clocks and edge = '0')", "since = stall_clocks"),
-    ("quadrature_encoder", 6, "clears  <= '1';", "clears  <= '0';"),
-    ("quadrature_encoder", 6, "elsif hold = '0' then", "else"),
-    ("quadrature_encoder", 6, "amount(0) <= back;", "amount(0) <= '0';"),
-    ("absolute_encoder", 0, "resize(signed(value - raw), 32);", "resize(signed(value - first), 32);"),
-    ("absolute_encoder", 0, "(level xor (shift(0) and is_gray));", "level;"),
-    ("absolute_encoder", 1, "sampler <= 3 * half_clocks - 1;", "sampler <= 2 * half_clocks - 1;"),
-    ("absolute_encoder", 1, "if left < 6 then", "if left < 5 then"),
-    ("absolute_encoder", 1, "in_a_row = failures_most - 1 then", "in_a_row = 0 then"),
-    ("absolute_encoder", 2, "(second = '0' and shift = 0) or", "false or"),
-    ("absolute_encoder", 2, "if second = '1' or renews = 0 then", "if renews = 0 then"),
-    ("absolute_encoder", 2, "(not is_good or not wishbone_m2s.cyc);", "'1';"),
-    ("sigma_delta_adc", 0, "before(number) <= value;", "before(number) <= sums(number);"),
-    ("sigma_delta_adc", 0, "settled(number) <= 0;", "null;"),
-    ("sigma_delta_adc", 0, "unsigned(size) > limit", "unsigned(size) >= limit"),
-    ("sigma_delta_adc", 2, "constant take_at     : positive := 2;", "constant take_at     : positive := 1;"),
-    ("sigma_delta_adc", 2, "elsif equals(number) /= equal_most then", "elsif equals(number) < 100 then"),
-    ("servo_bus", 1, "engaged(number) <= or drive and known;", "engaged(number) <= or drive;"),
-    ("servo_bus", 0, "place > 7 and place <= rules.check_place", "place > 7 and place < rules.check_place"),
-    ("servo_bus", 1, "if value(sign_bit) = '1' then", "if value(15) = '1' then"),
-    ("servo_bus", 1, "if in_a_row = failures_most - 1 then", "if in_a_row = failures_most then"),
-    ("servo_bus", 1, "reasons(number) <= any & not any;", "reasons(number) <= not any & any;"),
-    ("servo_bus", 1, "holding(number) <= not drive(1)", "holding(number) <= drive(1)"),
-    ("dshot", 0, "minimum(throttle, to_unsigned(throttle_most, 11))", "throttle"),
-    ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
-    ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),
-    (
-        "dshot",
-        1,
-        "go(receive, half_clocks);\n          elsif timer = 0 then\n            go",
-        "null;\n          elsif timer = 0 then\n            go",
-    ),
-    ("dshot", 1, "(and frame(15 downto 4)) = '1'", "(and frame(15 downto 5)) = '1'"),
-    ("dshot", 1, "timer < heard_clocks", "true"),
-    ("motion_profile", 0, "brake <= brake - speed;", "null;"),
-    ("motion_profile", 0, "moves   <= '0';", "null;"),
-    ("motion_profile", 0, "          ramp <= unsigned(write_words(3)(ramp_t'range));", "          null;"),
-    ("motion_profile", 1, "change <= resize(step, change'length) - old;", "null;"),
-    ("i2c_device", 1, "waited /= patience then", "waited < patience - 1 then"),
-    ("i2c_device", 0, "sda_drive <= receive and not last;", "sda_drive <= receive;"),
-    ("i2c_device", 1, "sda = '1' or bits = 9", "sda = '1' or bits = 8"),
-    ("spi_device", 3, "anew     <= halts or too_many;", "anew     <= too_many;"),
-    ("spi_device", 1, "not failing and not wishbone_m2s.cyc;", "not failing;"),
-    ("spi_device", 3, "when in_a_row = failures_most - 1 or", "when in_a_row = failures_most or"),
-    (
-        "spi_device",
-        3,
-        "reason <= (not reply.failed) & reply.failed;",
-        "reason <= reply.failed & (not reply.failed);",
-    ),
-    ("spi_device", 0, "(coarse = '0' or part = 255)", "(coarse = '0' or part = 254)"),
-    ("spi_device", 1, "maximum(2, (clock_hz", "maximum(3, (clock_hz"),
-    ("spi_device", 2, "take(0) & (turns and half(0));", "take(0) & (turns and not half(0));"),
-]
 
 
 @pytest.mark.parametrize("fault", FAULTS)
