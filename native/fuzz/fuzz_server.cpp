@@ -37,7 +37,7 @@ class Fuzz final : public Host {
 
   void round() {
     try_login();
-    session_ = std::make_unique<Session>(*this, grant(leased_from), std::uint16_t{7});
+    session_ = std::make_unique<Session>(*this, grant(leased_from), std::uint16_t{7}, strings);
     key_ = {};
     decoder_ = {};
     id_ = post_ = 0;
