@@ -100,7 +100,7 @@ void BusServo::write(std::size_t first) {
   if (packet_.size() < first + 1 + 2 * width) {
     return;
   }
-  const std::size_t at = packet_[first + 1];
+  const std::size_t from = packet_[first + 1];
   const std::size_t size = packet_[first + 1 + width];
   for (std::size_t place = first + 1 + 2 * width; place + size < packet_.size(); place += size + 1) {
     if (packet_[place] == lines_.id && at + size <= registers.size()) {
@@ -115,7 +115,7 @@ void BusServo::answer(std::size_t first, Clock ended) {
   if (packet_.size() < first + 1 + 2 * width) {
     return;
   }
-  const std::size_t at = packet_[first + 1];
+  const std::size_t from = packet_[first + 1];
   const std::size_t size = packet_[first + 1 + width];
   std::vector<std::uint8_t> reply{0xFF, 0xFF};
   if (lines_.feetech) {
@@ -124,7 +124,7 @@ void BusServo::answer(std::size_t first, Clock ended) {
     reply.insert(reply.end(),
                  {0xFD, 0, lines_.id, static_cast<std::uint8_t>(size + 4), 0, status, registers[alarm_register]});
   }
-  for (std::size_t place = at; place < std::min(at + size, registers.size()); ++place) {
+  for (std::size_t place = from; place < std::min(from + size, registers.size()); ++place) {
     reply.push_back(registers[place]);
     const std::size_t end = reply.size();
     if (!lines_.feetech && reply[end - 3] == 0xFF && reply[end - 2] == 0xFF && reply[end - 1] == 0xFD) {
