@@ -100,7 +100,7 @@ void BusServo::write(std::size_t first) {
   if (packet_.size() < first + 1 + 2 * width) {
     return;
   }
-  const std::size_t from = packet_[first + 1];
+  const std::size_t at = packet_[first + 1];
   const std::size_t size = packet_[first + 1 + width];
   for (std::size_t place = first + 1 + 2 * width; place + size < packet_.size(); place += size + 1) {
     if (packet_[place] == lines_.id && at + size <= registers.size()) {
