@@ -48,7 +48,7 @@ FAULTS = [
     ("absolute_encoder", 0, "resize(signed(value - raw), 32);", "resize(signed(value - first), 32);"),
     ("absolute_encoder", 0, "(level xor (shift(0) and is_gray));", "level;"),
     ("absolute_encoder", 1, "sampler <= 3 * half_clocks - 1;", "sampler <= 2 * half_clocks - 1;"),
-    ("absolute_encoder", 1, "if left < 6 then", "if left < 5 then"),
+    ("absolute_encoder", 1, "to_bit(left < 6);", "to_bit(left < 5);"),
     ("absolute_encoder", 1, "in_a_row = failures_most - 1 then", "in_a_row = 0 then"),
     ("absolute_encoder", 2, "(second = '0' and shift = 0) or", "false or"),
     ("absolute_encoder", 2, "if second = '1' or renews = 0 then", "if renews = 0 then"),
