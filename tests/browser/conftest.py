@@ -45,6 +45,17 @@ Open = Callable[..., Page]
 expect.set_options(timeout=15_000)  # a busy machine
 
 
+HERE = Path(__file__).parent
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let one worker have all of these tests: a browser takes more than one processor by itself."""
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            item.add_marker(pytest.mark.xdist_group("browser"))
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
@@ -54,9 +65,15 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def arm(tmp_path: Path) -> Iterator[Robot]:
-    """The SCARA with its plant and its shape. Its users are those of `unit.dashboard.robot`."""
-    body = with_values(read_urdf(ARM.with_suffix(".urdf")), load(ARM).root())
+def shape() -> None:
+    """Lets `arm` have its shape, which is drawn without a graphics card here."""
+
+
+@pytest.fixture
+def arm(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Robot]:
+    """The SCARA with its plant. Its users are those of `unit.dashboard.robot`."""
+    shaped = "shape" in request.fixturenames
+    body = with_values(read_urdf(ARM.with_suffix(".urdf")), load(ARM).root()) if shaped else None
     extras = Extras(Shelf(tmp_path / "recordings"), ARM.read_text("utf-8"), body)
     with simulated(Path(os.path.relpath(ARM)), "scara", extras) as served:
         served.page.app.logins = RateLimit(1000, 1000)

@@ -303,6 +303,7 @@ def test_a_phone(open_page: Open, arm: Robot, shoot: Shoot) -> None:
     assert small == []
 
 
+@pytest.mark.usefixtures("shape")
 @pytest.mark.parametrize(
     ("scheme", "width"), [("light", 1280), pytest.param("dark", 1280, marks=pytest.mark.long), ("dark", 412)]
 )
@@ -333,6 +334,7 @@ def test_accessibility(open_page: Open, arm: Robot, shoot: Shoot, scheme: Any, w
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("shape")
 def test_everything_can_be_reached_by_tab(open_page: Open) -> None:
     page = open_page("owner", "charts=j1.cpos/5")
     take_control(page)

@@ -159,6 +159,7 @@ def ink(page: Page) -> list[int]:
     return found
 
 
+@pytest.mark.usefixtures("shape")
 def test_the_robot_moves_and_is_told_in_words(open_page: Open, arm: Robot, shoot: Shoot) -> None:
     page = open_page("owner", "charts=j1.cpos/5")
     view = page.get_by_role("img", name=re.compile("^arm: arrows turn"))
@@ -184,6 +185,7 @@ def test_the_robot_moves_and_is_told_in_words(open_page: Open, arm: Robot, shoot
     shoot(page, "dashboard-robot")
 
 
+@pytest.mark.usefixtures("shape")
 def test_without_webgl_the_words_are_there(browser: Browser, arm: Robot) -> None:
     context = browser.new_context()
     try:
