@@ -164,11 +164,13 @@ def command(
         return _report_check(named, host, port, known, tls=tls is not None)
     out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
     audit = Audit(lambda line: print(line, file=out, flush=True))
-    with stopped_by_signals() as stop, ExitStack() as pages:
+    with stopped_by_signals() as stop, ExitStack() as boards, ExitStack() as pages:
         robots = [
             Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0)
             for name, link in named.items()
         ]
+        for robot in robots:
+            boards.callback(robot.close)  # also if the server cannot begin, because its port is in use
         with Server(robots, tokens, audit, host, port, tls=tls, own=insiders) as server:
             for robot in robots:
                 robot.opened.wait(_FIRST_S)

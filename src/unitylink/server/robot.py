@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.connection import connect
 from unitylink.connection.schemes import scheme_of
-from unitylink.errors import AccessRefused, DeadManTripped, LeaseHeld, LinkError, UnityLinkError
+from unitylink.errors import AccessRefused, DeadManTripped, LeaseHeld, UnityLinkError
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hashes
 from unitylink.layer2_message import Link
@@ -187,14 +187,22 @@ class Robot:
             news = server.wait_news(_LOOK_S)
             self._log_state()
             with self._lock:
-                for number, kind, address in news:
-                    if kind == "asks":
-                        self._decide(server, number, address)
-                    elif kind != "silent":
-                        self._left(number, in_order=kind == "left")
-                    elif number in self._clients:
-                        self._gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
-                self._look_at_leases(server)
+                try:
+                    self._take(server, news)
+                except UnityLinkError as error:  # the board refuses it, or is gone
+                    self._let_go()
+                    self._away = str(error)
+
+    def _take(self, server: BoardServer, news: list[tuple[int, str, int]]) -> None:
+        """Act on what clients did. Hold the lock."""
+        for number, kind, address in news:
+            if kind == "asks":
+                self._decide(server, number, address)
+            elif kind != "silent":
+                self._left(number, in_order=kind == "left")
+            elif number in self._clients:
+                self._gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
+        self._look_at_leases(server)
 
     def _log_state(self) -> None:
         """Note when the board goes away, and when it comes back."""
@@ -287,7 +295,7 @@ class Robot:
             self._link.write_many([to for to, _ in safe], [word for _, word in safe])
         except DeadManTripped:  # then the board has written them all
             return True
-        except LinkError:
+        except UnityLinkError:  # it is tried again
             return False
         return True
 
