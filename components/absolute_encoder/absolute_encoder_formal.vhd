@@ -75,16 +75,18 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- sclk is high at rest, and for the whole pause before a frame.
+  -- sclk is high at rest.
   high_at_rest : assert always begun = '1' and rests = '1' -> sclk = '1';
+  -- sclk is high for the whole pause before a frame.
   pause_is_kept : assert always begun = '1' and reset_1 = '0' and sclk = '0' and sclk_1 = '1' and falls = 0 ->
                            lasted = pause;
 
   -- Neither half of a period is shorter than its rate.
   never_faster : assert always begun = '1' and reset_1 = '0' and sclk /= sclk_1 -> lasted >= half;
 
-  -- A frame that is good has each bit, and a fall to latch it. No frame has more.
+  -- A frame that is good has each bit, and a fall to latch it.
   whole_frame : assert always begun = '1' and ended = '1' and reason = "00" -> falls = bits + 1;
+  -- No frame has more.
   no_more     : assert always begun = '1' -> falls <= bits + 1;
 
   -- The lines of SPI are at rest.
