@@ -132,7 +132,7 @@ def test_positions_are_published_in_radians(spec: Spec, board: Board) -> None:
 
 def test_the_dead_man_reaches_the_pins(spec: Spec, board: Board) -> None:
     pad, drive = board.components["pad"], board.components["drive"]
-    link = Link(f"{board.url}?protocol=framed&deadman=0.05")
+    link = Link(f"{board.url}?protocol=framed&deadman=1")  # longer than a busy machine pauses
     link.write(address(spec, "pad.outputs"), 0b1010)
     link.write(address(spec, "drive.width[0]"), 1000)
     link.write(address(spec, "drive.control"), 1)

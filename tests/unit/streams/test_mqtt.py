@@ -242,6 +242,7 @@ def test_a_kept_command_is_never_executed(broker: Mosquitto, one: Served) -> Non
         try:
             with at(broker, one):
                 assert "a retained command is not executed" in ana.error()
+                ana.until("status", "online")  # the board has come
                 ana.say("power/set", "3")
                 until(lambda: one.board.registers[0x1B] == 3)
         finally:
