@@ -64,6 +64,12 @@ def browser() -> Iterator[Browser]:
         made.close()
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give pages a long lease: on a busy machine, a browser may pause for longer than the usual one."""
+    monkeypatch.setattr("unitylink.dashboard.viewer.LEASE_S", 10.0)
+
+
 @pytest.fixture
 def shape() -> None:
     """Lets `arm` have its shape, which is drawn without a graphics card here."""
