@@ -73,5 +73,19 @@ join
 beside sources native packages ros2
 join
 say "tests"
-"$bin/python" -m pytest "${tests[@]}" --ignore tests/unit/house -q -n 3 --dist loadgroup   # `sources` has these
+# `sources` has the tests of the house.
+if ! "$bin/python" -m pytest "${tests[@]}" --ignore tests/unit/house -q -n 3 --dist loadgroup --cache-clear; then
+  # A browser, or a board in real time, may have stood still for seconds on a busy machine. So a few failures
+  # are named here, and must pass alone.
+  mapfile -t again < <("$bin/python" - <<'PYTHON'
+import json, pathlib, re
+for name in json.loads(pathlib.Path(".pytest_cache/v/cache/lastfailed").read_text("utf-8")):
+    print(re.sub(r"@[^\]]*$", "", name))  # the group, which pytest-xdist adds
+PYTHON
+  )
+  [ ${#again[@]} -gt 0 ] && [ ${#again[@]} -le 5 ] || exit 1
+  say "tests that failed beside others, again and alone"
+  printf '%s\n' "${again[@]}"
+  "$bin/python" -m pytest "${again[@]}" -q
+fi
 printf '\nall passed in %d s\n' $((SECONDS - started))

@@ -24,6 +24,7 @@ from page_format import formatted
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "first-hour.md"
 PATIENCE_S = 300.0  # for one command; pip may wait for its index
+ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
@@ -175,7 +176,23 @@ class Terminal:
         )
 
     def run(self, command: Command) -> str:
-        """Return what a command prints on both its outputs. Raises SystemExit if it is not as expected."""
+        """Return what a command prints on both its outputs. Raises SystemExit if it is not as expected.
+
+        A virtual board on a busy machine may be silent for too long. Then the command is tried again.
+        """
+        for attempt in range(ATTEMPTS):
+            code, said = self._try(command)
+            if code == command.code and command.says in said:
+                break
+            if attempt == ATTEMPTS - 1 or "the device has never answered" not in said:
+                expected = f"exit code {code}, expected {command.code} and {command.says!r}"
+                raise SystemExit(f"$ {command.text}\n{said}\n{expected}")
+        if command.makes:
+            self._wait(self._folder / "arm" / command.makes, command)
+        return said
+
+    def _try(self, command: Command) -> tuple[int, str]:
+        """Return the exit code of a command, and what it prints on both its outputs."""
         done = self._folder / "done"
         done.unlink(missing_ok=True)
         assert self._bash.stdin is not None
@@ -183,14 +200,7 @@ class Terminal:
         self._bash.stdin.write(f"{{ {command.text}\n}} > '{self._log}' 2>&1 < /dev/null\n{end}\n")
         self._bash.stdin.flush()
         self._wait(done, command)
-        code, said = int(done.read_text()), self._log.read_text("utf-8")
-        if code != command.code or command.says not in said:
-            raise SystemExit(
-                f"$ {command.text}\n{said}\nexit code {code}, expected {command.code} and {command.says!r}"
-            )
-        if command.makes:
-            self._wait(self._folder / "arm" / command.makes, command)
-        return said
+        return int(done.read_text()), self._log.read_text("utf-8")
 
     def _wait(self, file: Path, command: Command) -> None:
         end = time.monotonic() + PATIENCE_S
