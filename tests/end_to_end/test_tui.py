@@ -68,15 +68,14 @@ class Terminal:
         Escape is a key by itself only if no other follows at once, so a busy machine may need more of them.
         """
         end_s = time.monotonic() + PATIENCE_S
-        while (ended := os.waitpid(self.pid, os.WNOHANG)) == (0, 0):
+        while os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
             assert time.monotonic() < end_s, "it does not end"
             for key in ("\x1b", "q"):
                 with suppress(OSError):  # it ends just now
                     self.press(key)
                     pause_s = time.monotonic() + 0.5
                     self.wait(lambda until_s=pause_s: time.monotonic() > until_s)
-        self.pid = 0
-        return os.waitstatus_to_exitcode(ended[1])
+        return self.exit_code()
 
     def hang_up(self) -> None:
         """Close the terminal, as when ssh loses its connection."""
