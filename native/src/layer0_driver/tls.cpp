@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace unitylink::tls {
 namespace {
@@ -46,8 +47,11 @@ Outcome Side::make(Role role, const Files& files, std::shared_ptr<const Side>& s
 }
 
 Outcome Side::failed(const std::string& file, const char* remedy) const {
-  const char* const why = library_.error_text(library_.last_error());
+  const char* why = library_.error_text(library_.last_error());
   library_.clear_errors();
+  if (::access(file.c_str(), R_OK) != 0) {  // OpenSSL calls this "system lib"
+    why = std::strerror(errno);
+  }
   return {Status::not_found, file + ": " + (why != nullptr ? why : "it cannot be used") + "; " + remedy};
 }
 

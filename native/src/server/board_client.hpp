@@ -13,12 +13,13 @@
 namespace unitylink::server {
 
 struct BoardServer::Client {
-  Client(Host& host, Connection taken, std::string called, Grant grant, std::uint64_t number, std::uint64_t now_ns)
+  Client(Host& host, Connection taken, std::string called, std::uint32_t user, Grant grant, std::uint64_t number,
+         std::uint64_t now_ns)
       : connection(std::move(taken)),
         name(std::move(called)),
         id(number),
         since_ns(real_ns()),
-        session(host, std::move(grant), static_cast<std::uint16_t>(std::random_device()()), now_ns) {}
+        session(host, std::move(grant), static_cast<std::uint16_t>(std::random_device()()), now_ns, user) {}
 
   Connection connection;
   std::string name;

@@ -45,8 +45,9 @@ void BoardServer::wake() noexcept {
 std::uint64_t BoardServer::admit(Connection connection, std::string name, Grant grant) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t id = ++clients_made_;
-  admitted_.push_back(std::make_unique<Client>(*this, std::move(connection), std::move(name), std::move(grant), id,
-                                               upstream_.link().now_ns()));
+  const auto user = users_.try_emplace(name, static_cast<std::uint32_t>(users_.size())).first->second;
+  admitted_.push_back(std::make_unique<Client>(*this, std::move(connection), std::move(name), user, std::move(grant),
+                                               id, upstream_.link().now_ns()));
   report_.served += 1;
   wake();
   return id;

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -64,7 +65,8 @@ class BoardServer final : public Host {
   BoardServer(Link& link, Addresses plain);
   ~BoardServer();
 
-  // Takes a client that has logged in. `name` is for reports. Returns its number.
+  // Takes a client that has logged in. `name` is that of its user: clients of one name share the turns of one.
+  // Returns its number.
   std::uint64_t admit(Connection connection, std::string name, Grant grant);
   // Changes what a client may do. If it waits for a lease, `given` decides. False: it is gone.
   bool set_grant(std::uint64_t id, Grant grant, std::optional<bool> given);
@@ -126,6 +128,7 @@ class BoardServer final : public Host {
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<std::unique_ptr<Client>> admitted_;
   std::uint64_t clients_made_ = 0;
+  std::map<std::string, std::uint32_t> users_;  // all names that have come so far, with a number each
   std::uint64_t generation_ = 0;
   std::uint32_t board_ticks_ = 0;  // of the board's dead-man
   bool tripped_ = false;

@@ -63,8 +63,10 @@ Outcome Door::open(const std::string& host, std::uint16_t port, std::shared_ptr<
       ::listen(listener.get(), backlog) != 0) {
     const int error = errno;
     return {error == EADDRINUSE ? Status::busy : Status::not_found,
-            wanted + ": " + std::strerror(error) +
-                (error == EADDRINUSE ? "; another program has this port, choose another" : "")};
+            wanted + ": " + std::strerror(error) + "; " +
+                (error == EADDRINUSE ? "another program has this port, choose another"
+                 : error == EACCES   ? "choose a port above 1023, or give this program the right to listen there"
+                                     : "give an address of this machine, such as 127.0.0.1")};
   }
   sockaddr_storage name{};
   socklen_t size = sizeof name;

@@ -32,8 +32,13 @@ void put(std::vector<std::uint8_t>& into, std::uint32_t value, std::size_t bytes
 
 }  // namespace
 
-Session::Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns)
-    : host_(host), grant_(std::move(grant)), nonce_(seed), places_(host.facts().description.window), fed_ns_(now_ns) {
+Session::Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns, std::uint32_t user)
+    : host_(host),
+      grant_(std::move(grant)),
+      user_(user),
+      nonce_(seed),
+      places_(host.facts().description.window),
+      fed_ns_(now_ns) {
   decoder_.set_payload_max(host.facts().description.request_max);
   sequences_.resize(host.facts().configuration.groups);
   begin_session({});

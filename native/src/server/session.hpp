@@ -37,7 +37,8 @@ struct Counters {
 
 class Session {
  public:
-  Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns);
+  // Clients of the same `user` share his turns.
+  Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns, std::uint32_t user = 0);
 
   // Takes bytes of the client. What can be executed at once, is.
   void take(std::span<const std::uint8_t> bytes, std::uint64_t now_ns);
@@ -48,6 +49,7 @@ class Session {
   // A publish of the group. It is left out if the client does not read.
   void publish(std::uint32_t group, std::uint32_t missing, std::uint32_t clock, std::span<const std::uint8_t> words);
 
+  [[nodiscard]] std::uint32_t user() const noexcept { return user_; }
   // The bytes for the client. After sending, the caller tells how many were sent.
   [[nodiscard]] std::span<const std::uint8_t> output() const noexcept { return std::span(out_).subspan(sent_); }
   void sent(std::size_t bytes) noexcept;
@@ -128,6 +130,7 @@ class Session {
 
   Host& host_;
   Grant grant_;
+  std::uint32_t user_;
   bool asks_ = false;     // a lease is being decided about
   bool refused_ = false;  // the request that waits does not get its lease
   Counters counters_;

@@ -129,8 +129,8 @@ def _audit(stack: ExitStack, path: str | None) -> Callable[[str], object]:
     """Return what takes the lines of the audit log."""
     if path is None:
         return lambda _: None
-    try:
-        file = stack.enter_context(open(path, "a", encoding="utf-8", buffering=1))  # noqa: SIM115
-    except OSError as error:
-        raise Failure(f"{path}: {error.strerror}", "choose another file for --audit") from error
-    return lambda line: file.write(line + "\n")
+    from unitylink.server.log_file import LogFile
+
+    log = LogFile(path, "--audit")
+    stack.callback(log.close)
+    return log.put

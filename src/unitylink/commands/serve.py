@@ -24,6 +24,8 @@ from .stream_options import StreamOptions, stream_options
 from .tls_options import tls_files_of, tls_options
 
 if TYPE_CHECKING:
+    from threading import Event
+
     from unitylink.dashboard.extras import Extras
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens
@@ -35,7 +37,7 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 
 
 @click.command()
-@click.argument("links", metavar="LINK...", nargs=-1, required=True)
+@click.argument("links", metavar="LINK...", nargs=-1)
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--listen", metavar="[HOST:]PORT", default="127.0.0.1:7450", show_default=True)
 @click.option("--anyone", is_flag=True, help="Listen where other machines reach it. See --tls-cert.")
@@ -120,13 +122,18 @@ def command(
     """
     from unitylink.dashboard.place import read_place
     from unitylink.server.audit import Audit
-    from unitylink.server.metrics import write_metrics
+    from unitylink.server.log_file import LogFile, check_writable
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens, User, new_token
     from unitylink.spec import load
 
+    if not links:
+        raise click.UsageError(
+            "give both: LINK, where the board is, and SPEC, the file that says what it has; for example "
+            "unitylink serve serial:/dev/ttyUSB0 arm.ul"
+        )
     spec = part_of(load(spec_file), root)
     host, port = place_of("listen", listen)
     host = host or "127.0.0.1"
@@ -154,16 +161,19 @@ def command(
         insiders = insiders.with_user(own_tokens[name], User(name, rights))
         tokens = tokens.with_user(own_tokens[name], User(name, rights))
     named = _named(links, spec)
-    place = read_place(page) if page is not None else None
+    place = read_place(page, option="--page") if page is not None else None
     if place is not None and place.exposed and not anyone:
         raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
     if own_tokens and len(named) > 1:
         raise click.UsageError("--page and streams are for one board; start a server for each")
     more = page_extras(spec.roots[0], spec_file, **extras)
+    for option, path in (("--audit", audit_file), ("--metrics", metrics_file)):
+        if path is not None:
+            check_writable(path, option)
     if check_config:
         return _report_check(named, host, port, known, tls=tls is not None)
-    out = open(audit_file, "a", encoding="utf-8") if audit_file else sys.stderr  # noqa: SIM115
-    audit = Audit(lambda line: print(line, file=out, flush=True))
+    log = LogFile(audit_file, "--audit") if audit_file else None
+    audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
     with stopped_by_signals() as stop, ExitStack() as boards, ExitStack() as pages:
         robots = [
             Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0)
@@ -189,21 +199,37 @@ def command(
                 click.echo(
                     f"warning: other machines can reach {server.place}; what they send {how}", err=True
                 )
-            while not stop.wait(_METRICS_S if metrics_file else None):
-                assert metrics_file is not None
-                write_metrics(metrics_file, server.report())
+            _write_metrics_until(stop, metrics_file, server)
             pages.close()  # before the link
-    if audit_file:
-        out.close()
+    if log:
+        log.close()
     return None
+
+
+def _write_metrics_until(stop: Event, file: str | None, server: Server) -> None:
+    """Write the metrics until `stop`. If that fails, it is said once, and the server goes on."""
+    from unitylink.server.audit import complain
+    from unitylink.server.metrics import write_metrics
+
+    failing = False
+    while not stop.is_set():
+        try:
+            if file:
+                write_metrics(file, server.report())
+            failing = False
+        except OSError as error:
+            if not failing:
+                complain(f"--metrics {file}: {error.strerror or error}; it is tried again")
+            failing = True
+        stop.wait(_METRICS_S if file else None)
 
 
 def _report_check(named: dict[str, str], host: str, port: int, tokens: int, *, tls: bool) -> None:
     """Check the links, and print what would be served. No link is opened."""
-    from unitylink.connection.schemes import scheme_of
+    from unitylink.connection import check_link
 
     for name, link in named.items():
-        scheme_of(link)
+        check_link(link)
         click.echo(f"{link} at serve://{host}:{port}/{name}")
     click.echo(f"{tokens} tokens" if tokens != 1 else "1 token")
     if tls:

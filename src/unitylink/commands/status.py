@@ -40,6 +40,8 @@ def command(server: str, *, as_json: bool) -> None:
     for robot in after["robots"]:
         _print_robot(robot)
     click.echo(f"refused: {after['refused']}; turned away without a login: {after['turned_away']}")
+    if lost := after.get("log_lines_lost"):
+        click.echo(f"lines of the log that could not be written: {lost}")
 
 
 def _add_rates(before: dict[str, Any], after: dict[str, Any]) -> None:

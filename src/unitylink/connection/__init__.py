@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from unitylink.lazy import load_name
 
 if TYPE_CHECKING:
-    from .opening import connect, open_driver
+    from .opening import check_link, connect, open_driver
 
-__all__ = ["connect", "open_driver"]
+__all__ = ["check_link", "connect", "open_driver"]
 
 _HOMES = dict.fromkeys(__all__, "opening")
 

@@ -11,7 +11,7 @@ from typing import Literal
 from unitylink.connection.schemes import scheme_of
 from unitylink.errors import UrlError
 from unitylink.layer0_driver import Driver
-from unitylink.layer2_message import Link
+from unitylink.layer2_message import Link, check_url
 
 _RECONNECT = re.compile(r"[?&]reconnect=")
 
@@ -70,6 +70,19 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
     link.board = device if scheme.virtual else None
     link.call_on_close(device.close)
     return link
+
+
+def check_link(url: str) -> None:
+    """Check a link URL, and the spec that a virtual board names. Nothing is opened.
+
+    Raises UrlError, with what is known instead of what is wrong, or SpecError.
+    """
+    if scheme_of(url).virtual:
+        from unitylink.simulate.simulated import check_simulated
+
+        check_simulated(url)
+    else:
+        check_url(url)
 
 
 def _with_reconnect(url: str, reconnect: bool) -> str:

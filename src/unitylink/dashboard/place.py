@@ -6,7 +6,7 @@ from __future__ import annotations
 import ipaddress
 import socket
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from unitylink.errors import UnityLinkError
 
@@ -29,6 +29,7 @@ class Place:
     names: tuple[str, ...] = ()
     certificate: str | None = None
     key: str | None = None
+    option: str = field(default="--listen", repr=False)  # of the command line, for errors
 
     @property
     def scheme(self) -> str:
@@ -76,7 +77,7 @@ def read_place(
     if not (port.isascii() and port.isdecimal()) or int(port) > 65535:
         raise UnityLinkError(f"{option} {listen}: expected [HOST:]PORT with a port from 0 to 65535")
     certificate, key = tls if tls else (None, None)
-    return Place(host.strip("[]") or "127.0.0.1", int(port), names, certificate, key)
+    return Place(host.strip("[]") or "127.0.0.1", int(port), names, certificate, key, option)
 
 
 def is_loopback(host: str) -> bool:

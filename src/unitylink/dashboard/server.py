@@ -34,7 +34,7 @@ class Dashboard:
     def __init__(self, station: Station, place: Place | None = None, *, viewers: int = VIEWERS) -> None:
         self.station = station
         place = place if place is not None else Place()
-        self._socket = listen(place.host, place.port)
+        self._socket = listen(place.host, place.port, place.option)
         port = self._socket.getsockname()[1]
         self.url = place.url(port)
         self.app = WebApp(station, port=port, secure=place.scheme == "https", most=viewers)

@@ -15,11 +15,13 @@ def metrics(report: Mapping[str, Any]) -> str:
     """Return the metrics of `Server.report()`, in the text format of Prometheus.
 
     >>> arm = {"name": "arm", "away": "", "leases": []}
-    >>> print(metrics({"refused": 1, "turned_away": 0, "robots": [arm]}), end="")
+    >>> print(metrics({"refused": 1, "turned_away": 0, "log_lines_lost": 0, "robots": [arm]}), end="")
     # TYPE unitylink_server_refused_total counter
     unitylink_server_refused_total 1
     # TYPE unitylink_server_turned_away_total counter
     unitylink_server_turned_away_total 0
+    # TYPE unitylink_server_log_lines_lost_total counter
+    unitylink_server_log_lines_lost_total 0
     # TYPE unitylink_board_up gauge
     unitylink_board_up{board="arm"} 1
     # TYPE unitylink_board_leases gauge
@@ -50,6 +52,7 @@ def write_metrics(path: str, report: Mapping[str, Any]) -> None:
 def _samples(report: Mapping[str, Any]) -> Iterator[tuple[str, str, dict[str, object], int]]:
     yield "unitylink_server_refused_total", "counter", {}, report["refused"]
     yield "unitylink_server_turned_away_total", "counter", {}, report["turned_away"]
+    yield "unitylink_server_log_lines_lost_total", "counter", {}, report["log_lines_lost"]
     for robot in report["robots"]:
         board = {"board": robot["name"]}
         clients = robot.get("clients", [])

@@ -32,7 +32,8 @@ class Robot:
     """A board with a name. A thread opens its link, opens it again if it ends, and decides about leases.
 
     A client is alive as long as its connection is. Its leases are renewed meanwhile. If `silence_s` is given,
-    a client that has sent nothing for so long loses its leases, although its connection exists.
+    a client that has sent nothing for so long loses its leases, although its connection exists. The server
+    starts it when it has its port: a server that cannot begin touches no board.
     """
 
     def __init__(
@@ -52,6 +53,9 @@ class Robot:
         self._lock = threading.Lock()  # guards all above
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._govern, name=f"serve {name}", daemon=True)
+
+    def start(self) -> None:
+        """Begin to open the link."""
         self._thread.start()
 
     @property
@@ -64,6 +68,11 @@ class Robot:
     def connected(self) -> int:
         """How many clients are connected."""
         return len(self._clients)
+
+    def has(self, user: str) -> bool:
+        """Whether a user of this name is connected."""
+        with self._lock:
+            return any(client.name == user for client in self._clients.values())
 
     def admit(self, knock: Knock) -> None:
         """Hand a client over to the board, if its token is known. Raises AccessRefused or UnityLinkError."""
@@ -151,7 +160,8 @@ class Robot:
     def close(self) -> None:
         """Drop all clients and close the link."""
         self._closed.set()
-        self._thread.join()
+        if self._thread.ident is not None:
+            self._thread.join()
         with self._lock:
             self._let_go()
 

@@ -22,6 +22,7 @@ from .tokens import Tokens, User
 
 _LOOK_S = 0.2  # how often the door looks whether the server ends
 CLIENTS_MAX = 1024  # of all robots together
+CLIENTS_KEPT = 16  # of these, for users who have no connection yet
 TALKS_MAX = 8  # questions that are being answered at the same time
 
 
@@ -65,6 +66,8 @@ class Server:
             threading.Thread(target=self._answer, args=each, name="serve door", daemon=True)
             for each in self._doors
         ]
+        for robot in self.robots.values():
+            robot.start()
         for thread in self._threads:
             thread.start()
 
@@ -80,7 +83,11 @@ class Server:
 
     def _told(self) -> dict[str, Any]:
         turned_away = sum(door.turned_away for door, _ in self._doors)
-        return {"refused": self.refused, "turned_away": turned_away}
+        return {
+            "refused": self.refused,
+            "turned_away": turned_away,
+            "log_lines_lost": self._audit.unwritten,
+        }
 
     def close(self) -> None:
         """Let nobody in any more, drop all clients and close the links."""
@@ -116,8 +123,12 @@ class Server:
         if robot is None:
             text = f"there is no board {knock.board!r}" if knock.board else "the URL names no board"
             return self._refuse(knock, "board", f"{text}; there are: {', '.join(self.robots)}", user)
-        if sum(one.connected for one in self.robots.values()) >= CLIENTS_MAX:
+        left = CLIENTS_MAX - sum(one.connected for one in self.robots.values())
+        if left <= 0:
             return self._refuse(knock, "full", f"{CLIENTS_MAX} clients are connected, which is all", user)
+        if left <= CLIENTS_KEPT and any(one.has(user.name) for one in self.robots.values()):
+            text = f"the last {left} places are for users who have no connection, and {user.name} has some"
+            return self._refuse(knock, "full", text, user)
         try:
             robot.admit(knock)
         except AccessRefused as error:  # the token has expired just now

@@ -114,7 +114,8 @@ def load_tokens(path: str | Path) -> Tokens:
                 )
             text = stream.read().decode("utf-8")
     except OSError as error:
-        raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+        remedy = f"`unitylink token NAME read --file {path}` makes one"
+        raise UnityLinkError(f"{path}: {error.strerror or error}; {remedy}") from error
     except ValueError as error:
         raise UnityLinkError(f"{path}: {error}") from error
     return parse_tokens(text, str(path))

@@ -39,15 +39,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
     """
-    kind, _, rest = url.partition(":")
-    path, _, query = rest.partition("?")
-    if kind not in _KINDS or not path:
-        forms = " or ".join(f"{kind}:SPEC.ul" for kind in _KINDS)
-        raise UrlError(f"{url!r}: expected {forms}, with ?option=value&… behind it")
-    try:
-        options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
-    except ValueError as error:
-        raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
+    kind, path, options = _parts_of(url)
     settings = _settings_in(url, options)
     # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
@@ -61,6 +53,30 @@ def simulated_board(url: str) -> tuple[Board, str]:
         board.close()
         raise
     return board, link_url
+
+
+def check_simulated(url: str) -> None:
+    """Check such a URL and the spec that it names, without making the board.
+
+    Raises UrlError or SpecError.
+    """
+    _, path, options = _parts_of(url)
+    _spec_in(url, path, options)
+    _settings_in(url, options)
+
+
+def _parts_of(url: str) -> tuple[str, str, dict[str, str]]:
+    """Return the scheme, the path of the spec, and the options of such a URL."""
+    kind, _, rest = url.partition(":")
+    path, _, query = rest.partition("?")
+    if kind not in _KINDS or not path:
+        forms = " or ".join(f"{kind}:SPEC.ul" for kind in _KINDS)
+        raise UrlError(f"{url!r}: expected {forms}, with ?option=value&… behind it")
+    try:
+        options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
+    except ValueError as error:
+        raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
+    return kind, path, options
 
 
 def _spec_in(url: str, path: str, options: dict[str, str]) -> Spec:

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from threading import Event
 
 import pytest
 
 from tests.unit.server.served import TEXT
 from unitylink.cli import main
+from unitylink.commands import serve
 
 
 @pytest.fixture
@@ -40,7 +42,18 @@ def test_a_checked_configuration(spec: str, tmp_path: Path, capsys: pytest.Captu
         (["tcp://a:1", "--listen", "0.0.0.0:1"], 2, "add --anyone"),
         (["tcp://a:1", "--listen", "70000"], 2, "a port from 0 to 65535"),
         (["nothing:1"], 2, "no scheme 'nothing'"),
-        (["tcp://a:1", "--token-file", "/nowhere"], 1, "/nowhere"),
+        (
+            ["tcp://a:1", "--token-file", "/nowhere"],
+            1,
+            "`unitylink token NAME read --file /nowhere` makes one",
+        ),
+        (["serial:/dev/none?bauds=1"], 2, "no option 'bauds'"),
+        (["sim:/nowhere.ul"], 1, "/nowhere.ul"),
+        (["sim:"], 2, "expected sim:SPEC.ul"),
+        (["tcp://a:1", "--audit", "/nowhere/log"], 1, "--audit /nowhere/log: there is no folder /nowhere"),
+        (["tcp://a:1", "--metrics", "/"], 1, "--metrics /: it is a folder"),
+        (["tcp://a:1", "--tls-cert", "/nowhere"], 1, "/nowhere: No such file or directory; expected"),
+        ([], 2, "give both: LINK, where the board is, and SPEC"),
     ],
 )
 def test_wrong_arguments(
@@ -54,4 +67,27 @@ def test_wrong_arguments(
 
 def test_an_address_that_is_not_here(spec: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["serve", f"sim:{spec}", spec, "--listen", "192.0.2.1:1", "--anyone"]) == 1
-    assert "192.0.2.1:1" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "192.0.2.1:1" in told and "give an address of this machine" in told
+    assert "up" not in told  # the board was not touched
+
+
+def test_metrics_that_cannot_be_written_end_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serve, "_METRICS_S", 0.01)
+    stop, reports = Event(), []
+
+    class Server:
+        def report(self) -> dict[str, object]:
+            reports.append(len(reports))
+            if len(reports) == 3:  # now there is room
+                (tmp_path / "there").mkdir()
+            if len(reports) == 5:
+                stop.set()
+            return {"refused": 0, "turned_away": 0, "log_lines_lost": 0, "robots": []}
+
+    file = tmp_path / "there" / "metrics.prom"
+    serve._write_metrics_until(stop, str(file), Server())
+    assert capsys.readouterr().err.count("it is tried again") == 1
+    assert "unitylink_server_refused_total 0" in file.read_text()

@@ -108,7 +108,7 @@ def test_the_commands_serve_the_page(tmp_path: Path) -> None:
         (["--listen", "0.0.0.0:0"], "add --anyone"),
         (["--listen", "far"], "expected [HOST:]PORT"),
         (["--token-file", "/absent"], "/absent: No such file"),
-        (["--audit", "/absent/log"], "choose another file"),
+        (["--audit", "/absent/log"], "there is no folder /absent"),
         (["--listen", "127.0.0.1:0", "--tls", "/absent", "/absent"], "/absent: No such file"),
     ],
 )

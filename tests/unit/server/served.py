@@ -74,12 +74,14 @@ def served(
     spec: Spec | None = None,
     tls: TlsFiles | None = None,
     silence_s: float = 0.0,
+    *,
+    lines: list[str] | None = None,
 ) -> Iterator[Served]:
     spec = spec if spec is not None else arm()
     configuration = BoardConfiguration.for_spec(spec, bus_error_ranges=((REFUSED, REFUSED),))
     with board or Board(spec, configuration=configuration, endpoint="tcp") as there:
         tokens = Tokens((digest(name), User(name, Rights.of(scopes))) for name, scopes in TOKENS.items())
-        lines: list[str] = []
+        lines = lines if lines is not None else []
         audit = Audit(lines.append)
         robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec, tokens, audit, silence_s=silence_s)
         with Server([robot], tokens, audit, "127.0.0.1", 0, tls=tls) as server:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import json
+import os
 
 import pytest
 
 from unitylink.server.audit import Audit
+from unitylink.server.log_file import LogFile
 from unitylink.server.rate_limit import RateLimit
 
 
@@ -14,6 +16,58 @@ def test_a_text_from_outside_stays_in_its_line():
     assert "\x1b" not in lines[0]
     assert json.loads(lines[0])["where"].startswith("x\n")
     assert "part" not in json.loads(lines[0])
+
+
+def test_a_line_that_cannot_be_written_is_counted_and_ends_nothing(capsys):
+    lines, full = [], [True]
+
+    def put(line):
+        if full[0]:
+            raise OSError(28, "No space left on device")
+        lines.append(line)
+
+    audit = Audit(put)
+    for number in range(3):
+        audit.line("stop", float(number))
+    full[0] = False
+    audit.line("arm", 3.0)
+    assert audit.unwritten == 3 and len(lines) == 1
+    assert capsys.readouterr().err.count("No space left on device") == 1
+
+
+def test_lines_are_added_to_a_file(tmp_path):
+    file = tmp_path / "audit.jsonl"
+    for line in ("one", "two"):
+        log = LogFile(str(file), "--audit")
+        log.put(line)
+        log.close()
+    assert file.read_text() == "one\ntwo\n"
+
+
+def test_half_a_line_spoils_no_other(tmp_path):
+    class Full:  # takes four bytes, and then all
+        taken = b""
+
+        def write(self, data):
+            part = data[:4] if not self.taken else data
+            self.taken += part
+            return len(part)
+
+    log = LogFile(str(tmp_path / "audit.jsonl"), "--audit")
+    log.close()
+    log._file = full = Full()
+    with pytest.raises(OSError, match="No space left"):
+        log.put("lost line")
+    log.put("whole")
+    assert full.taken == b"lost\nwhole\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full")
+def test_a_full_disk():
+    log = LogFile("/dev/full", "--audit")
+    with pytest.raises(OSError, match="No space left"):
+        log.put("line")
+    log.close()
 
 
 def test_an_unknown_event_is_a_mistake_of_the_program():

@@ -21,11 +21,17 @@ from unitylink.errors import (
     DeadManTripped,
     DeviceMismatch,
     LeaseHeld,
+    LinkBusy,
     LinkClosed,
     LinkNotFound,
     UrlError,
 )
+from unitylink.server import serving
+from unitylink.server.audit import Audit
 from unitylink.server.metrics import write_metrics
+from unitylink.server.robot import Robot
+from unitylink.server.serving import Server
+from unitylink.server.tokens import Tokens
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -264,6 +270,38 @@ def test_what_is_no_login_is_turned_away(one: Served) -> None:
             assert not told.startswith(b"admitted")
     with pytest.raises(LinkClosed):
         Link(f"tcp://{one.server.place}?timeout=0.3&protocol=framed")
+
+
+def test_a_server_without_its_port_touches_no_board(one: Served) -> None:
+    host, _, port = one.server.place.rpartition(":")
+    tokens = Tokens(())
+    robot = Robot("arm", "tcp://127.0.0.1:1", arm(), tokens, Audit(one.lines.append))
+    with pytest.raises(LinkBusy, match="another program has this port"):
+        Server([robot], tokens, Audit(one.lines.append), host, int(port))
+    robot.close()
+    assert not robot.opened.is_set() and robot.away
+
+
+def test_the_last_places_are_for_users_who_have_none(one: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    until(lambda: one.robot.connected == 0)
+    monkeypatch.setattr(serving, "CLIENTS_MAX", 3)
+    monkeypatch.setattr(serving, "CLIENTS_KEPT", 1)
+    with one.link("looks"), one.link("looks"):
+        with pytest.raises(LinkBusy, match="the last 1 places are for users who have no connection"):
+            one.link("looks")
+        with one.link("all"), pytest.raises(LinkBusy, match="3 clients are connected, which is all"):
+            one.link("part")
+
+
+def test_a_log_that_cannot_be_written_stops_nobody() -> None:
+    class Full(list[str]):
+        def append(self, line: str) -> None:
+            raise OSError(28, "No space left on device")
+
+    with served(lines=Full()) as one, one.link() as link:
+        link.write(0x1A, 5)
+        assert one.board.registers[0x1A] == 5
+        assert one.server.report()["log_lines_lost"] >= 3  # up, login, lease
 
 
 def test_the_metrics_name_each_client(one: Served, tmp_path: Path) -> None:

@@ -128,6 +128,25 @@ def test_a_flood_goes_before_nobody_by_more_than_its_turn(rig: tuple[Served, Hel
     assert read.index(GAIN) <= WINDOW + HELD + len(OTHERS)  # of 64 that were asked before
 
 
+def test_a_user_with_many_connections_gets_the_share_of_one(rig: tuple[Served, HeldWire, Path]) -> None:
+    one, wire, trace = rig
+    with ExitStack() as stack, ThreadPoolExecutor(80) as pool:
+        floods = [stack.enter_context(one.link("all")) for _ in range(8)]
+        polite = stack.enter_context(one.link("looks"))
+        with held(wire):
+            told = [result for link in floods for result in flood(pool, link, OTHERS[0], 8)]
+            until(lambda: waiting(one) == 64 - WINDOW - HELD)
+            mine = [pool.submit(polite.read, address) for address in OTHERS[1:]]
+            until(lambda: waiting(one) == 67 - WINDOW - HELD)
+        for result in (*told, *mine):
+            result.result()
+    one.server.close()
+    read = asked(trace)
+    places = sorted(read.index(address) for address in OTHERS[1:])
+    assert len(read) == 67
+    assert all(place <= WINDOW + HELD + 2 * turn for turn, place in enumerate(places, 1))  # every second one
+
+
 def test_who_has_joined_a_read_gets_it_though_the_first_has_gone(
     rig: tuple[Served, HeldWire, Path],
 ) -> None:
