@@ -7,6 +7,11 @@ import { tell } from "./messages";
 
 const told = (error: Error) => tell(error.message);
 const shown = (part: string) => part || "the whole robot";
+const overlap = (one: string, other: string) => !one || !other || `${one}.`.startsWith(`${other}.`)
+  || `${other}.`.startsWith(`${one}.`);
+/** Who wants what this lease holds, for example "ben". */
+const wanting = (part: string) =>
+  [...new Set((state.value?.wishes ?? []).filter((one) => overlap(one.part, part)).map((one) => one.user))].join(", ");
 
 export function Control() {
   const robot = hello.value;
@@ -21,6 +26,7 @@ export function Control() {
     ask("take", { part }).catch(told);
   };
   const release = (one: string) => ask("release", { part: one }).catch(told);
+  const want = (one: string) => ask("ask", { part: one }).catch(told);
   const seize = async (one: string, holder: string) => {
     const question = `Take ${shown(one)} away from ${holder}? Its outputs get their SAFE values.`;
     if (await confirmed(question)) ask("break", { part: one }).catch(told);
@@ -42,8 +48,12 @@ export function Control() {
           <li key={one.part}>
             <b>{shown(one.part)}</b>: {one.ending ? `being made safe, ${one.holder} lost it`
               : one.client === robot.client ? "you" : one.holder}
+            {!one.ending && wanting(one.part) && <em> ({wanting(one.part)} wants it)</em>}
             {one.client === robot.client && !one.ending && (
               <button type="button" onClick={() => release(one.part)}>give back</button>
+            )}
+            {one.client !== robot.client && !one.ending && parts.length > 0 && (
+              <button type="button" onClick={() => want(one.part)}>ask for it</button>
             )}
             {one.client !== robot.client && robot.may_break && !one.ending && (
               <button type="button" onClick={() => seize(one.part, one.holder)}>take away</button>

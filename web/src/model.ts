@@ -72,6 +72,12 @@ export interface Lease {
   ending: string;
 }
 
+/** Somebody wants a part that another one holds. */
+export interface Wish {
+  part: string;
+  user: string;
+}
+
 /** A publish: what was asked for and came. Times in s, null if there is no promise, or nothing to compare. */
 export interface Publish {
   paths: string[];
@@ -118,6 +124,7 @@ export interface State {
   trouble: string;
   stopped_by: string;
   leases: Lease[];
+  wishes: Wish[];
   users: string[];
   viewers: number;
   round_trip_s: number | null;

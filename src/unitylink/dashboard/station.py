@@ -213,6 +213,9 @@ class Station:
                 }
                 for lease in gate.leases.all()
             ]
+            wishes = [
+                {"part": wish.part, "user": wish.user} for wish in gate.wishes.all(moment_s) if not wish.kept
+            ]
             stopped_by = gate.stopped_by
             users = [client.name for client in gate.clients()]
         return {
@@ -220,6 +223,7 @@ class Station:
             "trouble": self.link.trouble,
             "stopped_by": stopped_by,
             "leases": leases,
+            "wishes": wishes,
             "users": sorted(set(users)),
             "viewers": len(self.viewers),
             "round_trip_s": self.round_trip_s,

@@ -65,6 +65,7 @@ class Viewer:
             "clear": self._clear,
             "take": self._take,
             "release": self._release,
+            "ask": self._ask,
             "break": self._break,
             "alive": self._alive,
             "arm": self._arm,
@@ -211,6 +212,13 @@ class Viewer:
             for lease in gate.leases.of(self.client.number):
                 if contains(part, lease.part):
                     gate.release(self.client, lease.part, now())
+                    gate.wishes.keep(lease.part, "", now().steady_s)  # for who has asked first
+        self._station.changed()
+
+    def _ask(self, request: Request) -> None:
+        """Tell who holds a part that this user wants it."""
+        with self._station.desk.gate() as gate:
+            gate.ask(self.client, request.text("part"), now())
         self._station.changed()
 
     def _break(self, request: Request) -> None:

@@ -56,7 +56,7 @@ def _answer(words: list[str], user: User, where: str, robots: list[Robot], serve
     if question not in WORDS or len(more) > WORDS[question]:
         raise UnityLinkError(f"this server does not know the question {' '.join(words)!r}")
     if question == "status":
-        return {**server(), "robots": [robot.report() for robot in robots]}
+        return {**server(), "you": user.name, "robots": [robot.report() for robot in robots]}
     if len(robots) != 1:
         raise UnityLinkError(
             f"the URL names no board; there are: {', '.join(robot.name for robot in robots)}"

@@ -234,6 +234,17 @@ def test_the_owner_takes_control_away(arm: Robot) -> None:
         assert "owner holds" in cem.ask("write", values={"j2.target": 9})
 
 
+def test_who_wants_control_is_shown_and_gets_it_back_given(arm: Robot) -> None:
+    with arm.viewer("cem") as cem, arm.viewer() as owner:
+        assert cem.ask("take", part="j2", seconds=60) == ""
+        assert owner.ask("ask", part="") == ""
+        cem.until(lambda: cem.state("wishes") == [{"part": "", "user": "owner"}])
+        assert cem.ask("release", part="j2") == ""
+        cem.until(lambda: cem.state("wishes") == [])
+        assert "kept for owner" in cem.ask("take", part="j2")
+        assert owner.ask("take", part="j2") == ""
+
+
 def test_logging_out_ends_the_sockets_of_that_browser(arm: Robot) -> None:
     with arm.viewer("cem") as cem:
         cookie = arm.log_in("cem")

@@ -12,7 +12,8 @@ from tests.unit.server.served import Served, served, token_of
 from tests.unit.server.test_losses import freeze_process
 from tests.unit.server.test_serving import socket_of, until, written
 from unitylink.cli import main
-from unitylink.errors import AccessRefused, LeaseHeld, UnityLinkError, UnknownName, UrlError
+from unitylink.errors import AccessRefused, LeaseHeld, LinkNotFound, UnityLinkError, UnknownName, UrlError
+from unitylink.server.lease_watch import LeaseWatch
 from unitylink.server.questions import ask_server
 from unitylink.server.serving import TALKS_MAX
 
@@ -67,6 +68,39 @@ def test_a_lease_is_asked_for_and_handed_over(one: Served) -> None:
     assert {"event": "asked", "user": "all", "part": "target"}.items() <= next(
         entry for entry in events if entry["event"] == "asked"
     ).items()
+
+
+def test_a_program_is_told_while_it_runs_and_hands_over(one: Served) -> None:
+    told: list[tuple[str, str]] = []
+
+    def hand_over(part: str, user: str) -> None:
+        told.append((part, user))
+        ask_server(one.url(), "give", part, user)
+
+    with one.link("moves") as holder, one.link("all") as wants, token_of("moves"):
+        holder.write(TARGET, 5)
+        with LeaseWatch(one.url(), hand_over, look_s=0.01):
+            asked(one, "all", "ask", "target")
+            until(lambda: written(wants, TARGET, 6))
+    assert told == [("target", "all")]
+    assert one.board.registers[TARGET] == 6
+
+
+def test_a_watch_logs_what_nobody_handles(one: Served, caplog: pytest.LogCaptureFixture) -> None:
+    def broken(part: str, user: str) -> None:
+        raise ValueError("this program has a mistake")
+
+    with one.link("moves") as holder, token_of("moves"):
+        holder.write(TARGET, 5)
+        asked(one, "all", "ask", "target")  # before the watch: it is told, too
+        with LeaseWatch(one.url(), look_s=0.01), LeaseWatch(one.url(), broken, look_s=0.01):
+            until(lambda: "all wants to write target" in caplog.text and "has a mistake" in caplog.text)
+    assert caplog.text.count("all wants to write target") == 1
+
+
+def test_a_watch_needs_a_server() -> None:
+    with pytest.raises(LinkNotFound), token_of("moves"):
+        LeaseWatch("serve://127.0.0.1:1/arm")
 
 
 def test_who_may_pass_a_lease_on(one: Served) -> None:
