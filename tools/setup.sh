@@ -72,6 +72,10 @@ need_rtl() {
   need verilator verilator command -v verilator                        # compiles what GHDL synthesised
 }
 
+need_benches() {
+  need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # makes a program of each bench
+}
+
 need_formal() {
   need ghdl ghdl command -v ghdl                                       # makes a netlist of design and properties,
   need "GHDL's own code generator" ghdl-mcode interprets               # which a GHDL with gcc alone does not analyse
@@ -186,7 +190,7 @@ formal) need_formal; install_missing ;;
 coverage)
   need_rtl
   need_formal
-  need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
+  need_benches
   need_boards
   install_missing
   ;;
@@ -210,6 +214,7 @@ browser)
   ;;
 system)
   need_rtl
+  need_benches
   need_formal
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core

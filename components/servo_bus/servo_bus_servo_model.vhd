@@ -84,7 +84,7 @@ begin
   process is
     variable heard  : bytes_t;
     variable answer : bytes_t;
-    variable count, length, first, size, sent, run : natural := 0;
+    variable count, first, size, sent, run : natural := 0;
     variable data   : std_ulogic_vector(79 downto 0);
     variable word   : unsigned(31 downto 0);
 

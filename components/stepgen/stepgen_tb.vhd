@@ -175,7 +175,6 @@ begin
 
     variable got, first, second : integer;
     variable was                : counts_t;
-    variable velocity, before   : integer;
 
   begin
     random.seed(seed);

@@ -30,7 +30,7 @@ architecture properties of fifo_slave_formal is
   signal to_pc_ready, from_pc_valid   : std_ulogic;
   signal from_pc_data                 : std_ulogic_vector(7 downto 0);
   signal begun                        : std_ulogic := '0';
-  signal answered, is_data, at_once   : std_ulogic;
+  signal answered, is_data            : std_ulogic;
   signal comes, leaves                : std_ulogic;  -- a word to the PC enters, or has been read
   signal sent, taken                  : std_ulogic;  -- a word from the PC has been written, or leaves
 

@@ -36,7 +36,6 @@ architecture test of bus_sequencer_tb is
   type bytes_t is array (0 to 6) of byte_t;
   signal replies : bytes_t := (others => x"00"); -- of the frame that ended
   signal no_answer, wrong : natural := 0;
-  signal due : boolean := false;                 -- a failure has been made that was not counted yet
 
 begin
 
@@ -54,7 +53,6 @@ begin
     variable random : random_t;
     variable number : natural := 0; -- of the byte in its frame
     variable heard  : bytes_t := (others => x"00");
-    variable expect : natural;
   begin
     random.seed(seed + 7);
     loop

@@ -111,7 +111,6 @@ begin
     variable got, given : natural := 0; -- words read, and written
     variable silence    : natural;      -- clocks in which a word waited and no edge came
     variable served     : natural := 0; -- edges of the event line that were served
-    variable waiting    : natural;
 
     procedure read_one is
       variable before : natural;

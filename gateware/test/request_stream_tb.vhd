@@ -28,7 +28,6 @@ architecture bench of request_stream_tb is
   signal request      : request_t;
   signal take         : std_ulogic := '0';
   signal request_done : std_ulogic := '0';
-  signal fed          : natural := 0;  -- events of the text that were sent
   signal told_end     : natural := 0;  -- events up to message_end; 0: there was none
 
 begin

@@ -146,7 +146,7 @@ begin
       end if;
     end procedure;
 
-    variable give, take : std_ulogic_vector(7 downto 0);
+    variable take       : std_ulogic_vector(7 downto 0);
   begin
     out_data.seed(seed + 3);
     in_data.seed(seed + 1);

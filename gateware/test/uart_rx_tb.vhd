@@ -114,7 +114,6 @@ begin
   sender : process is
     variable random   : random_t;
     variable bit_time : time;
-    variable percent  : real;
     variable data     : std_ulogic_vector(7 downto 0);
     variable error    : receive_error_t;
 

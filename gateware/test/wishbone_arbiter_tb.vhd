@@ -102,7 +102,6 @@ begin
   end process;
 
   watch : process is
-    variable answer : bus_answer_t;
   begin
     tick(clock, 3);
     reset <= '0';

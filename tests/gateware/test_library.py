@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
+from gateware.simulators import Ghdl
 
 from unitylink.errors import ToolError
 from unitylink.gateware import gateware_sources, netlist, run_tool
@@ -164,7 +164,7 @@ def test_a_name_in_the_wrong_library_is_told(tmp_path: Path) -> None:
         ("/* a comment /* in another one */ begin", "comment"),
     ],
 )
-def test_what_ghdl_only_warns_of_is_refused(ghdl: Any, tmp_path: Path, wrong: str, warning: str) -> None:
+def test_what_ghdl_only_warns_of_is_refused(tmp_path: Path, wrong: str, warning: str) -> None:
     (tmp_path / "a.vhd").write_text(f"entity a is end;\narchitecture x of a is\n{wrong}\nend;\n")
     with pytest.raises(AssertionError, match=warning):
-        type(ghdl)(tmp_path, [tmp_path / "a.vhd"]).run("a")
+        Ghdl(tmp_path, [tmp_path / "a.vhd"]).run("a")

@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from gateware.simulators import Ghdl
+
 from unitylink.gateware import every_source
 from unitylink.settings import Settings
 from unitylink_lab.conformance.bench import bench
@@ -23,7 +25,7 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
         netlist[: netlist.rindex("end rtl;") + len("end rtl;\n")], encoding="utf-8"
     )
     others = [source for source in every_source() if source.name != "core.vhd"]
-    synthesised = type(rtl)(type(ghdl)(folder, [*others, folder / "core.vhd"]), folder)
+    synthesised = type(rtl)(Ghdl(folder, [*others, folder / "core.vhd"]), folder)
 
     # The netlist has the default settings.
     plain = Settings()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gateware.simulators import Ghdl
 
 ROOT = Path(__file__).resolve().parents[2]
 BLINKER = """library ieee;
@@ -36,13 +37,13 @@ end architecture;
 
 
 @pytest.mark.parametrize("last", ["clocks", "clocks + 1"], ids=["right", "wrong"])
-def test_bench_of_the_page(ghdl: Any, tmp_path: Path, last: str) -> None:
+def test_bench_of_the_page(tmp_path: Path, last: str) -> None:
     page = (ROOT / "docs" / "gateware" / "testing.md").read_text(encoding="utf-8")
     (bench,) = re.findall(r"```vhdl\n(.*?)```", page, re.DOTALL)
     (tmp_path / "blinker_tb.vhd").write_text(bench, encoding="utf-8")
     (tmp_path / "blinker.vhd").write_text(BLINKER.replace("LAST", last), encoding="utf-8")
     sources = [ROOT / "gateware" / "test" / "bench_pkg.vhd", *tmp_path.glob("*.vhd")]
-    own = type(ghdl)(tmp_path, sources)
+    own = Ghdl(tmp_path, sources)
     if last == "clocks":
         for clocks in (1, 5, 100):
             own.run("blinker_tb", clocks=clocks)

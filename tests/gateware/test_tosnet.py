@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gateware.simulators import Ghdl
 
 from unitylink import Link, protocol
 from unitylink._native import Bus
@@ -160,10 +161,10 @@ end architecture;
 
 
 @pytest.mark.parametrize(("whole", "depth"), [("true", 128), ("false", 0)])
-def test_synthesis(ghdl: Any, tmp_path: Path, whole: str, depth: int) -> None:
+def test_synthesis(tmp_path: Path, whole: str, depth: int) -> None:
     wrapper = tmp_path / "tosnet_wrapper.vhd"
     wrapper.write_text(WRAPPER.replace("WHOLE", whole).replace("DEPTH", str(depth)), encoding="ascii")
-    netlist = type(ghdl)(tmp_path, [*gateware_sources(), wrapper]).synthesise("tosnet_wrapper")
+    netlist = Ghdl(tmp_path, [*gateware_sources(), wrapper]).synthesise("tosnet_wrapper")
     assert ("array (0 to 2047)" in netlist) == (whole == "true"), "the memory is one that block RAM can hold"
 
 

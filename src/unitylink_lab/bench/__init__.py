@@ -25,6 +25,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     "sync-read": ("sync_read", "measure"),
     "sync-framed": ("sync_read", "measure_framed"),
     "serve": ("server", "measure"),
+    "serve-litex-read": ("server", "measure_litex_read"),
+    "serve-litex-write": ("server", "measure_litex_write"),
     "exchange": ("exchange", "measure"),
     "cycle": ("exchange", "measure_cycle"),
     "litex-single": ("litex", "measure_single"),

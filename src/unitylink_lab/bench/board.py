@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 FIRST_VALUE = 0x40DE0000
 WORDS = 0x400
 ADDRESS = 0x88
-SPEC = f'link bench;\npublic bench() {{\n   @word = {ADDRESS:#x}: READ(ID="word");\n}}\n'
+WRITTEN = 0x200
+SPEC = f"""link bench;
+public bench() {{
+   @word    = {ADDRESS:#x}: READ(ID="word");
+   @written = {WRITTEN:#x}: WRITE(ID="written");
+}}
+"""
 
 
 def layer4_word(link: Link) -> ReadValue[Any]:

@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A server in front of a board: `python -m unitylink_lab.bench.server URL`. It ends when standard input does.
 
-It prints the URL for clients. The token is TOKEN. The figure compares a read through it with one through a
-relay that only passes bytes.
+It prints the URL for clients. The token is TOKEN. One figure compares a read through it with one through a
+relay that only passes bytes. Two compare it with LiteX's server: litex_server and its client, RemoteClient.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
+from contextlib import ExitStack
 from urllib.parse import urlsplit
 
 from .figure import BenchError, Figure, Run
 from .programs import Process, native, twin
-from .timing import in_turns
+from .timing import in_turns, times
 
 TOKEN = "bench"
+COUNT = 100  # calls in each turn of the comparison with LiteX
+WRITES = 8  # confirmed writes in each turn: LiteX needs 44 ms for one
 
 
 def measure(run: Run) -> Figure:
@@ -46,6 +50,56 @@ def measure(run: Run) -> Figure:
         "x",
         result.told_us("server", "relay"),
     )
+
+
+def through_litex(run: Run, operation: str, count: int, title: str, limit: float) -> Figure:
+    """Compare `operation` through our server with the same through LiteX's.
+
+    Each board is instant, on a pty.
+    """
+    from unitylink import connect
+
+    from . import litex
+    from .board import WRITTEN, layer4_word
+
+    python = litex.environment(run)
+    os.environ["UNITYLINK_TOKEN"] = TOKEN
+    with ExitStack() as stack:
+        board = stack.enter_context(twin("pty", clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES))
+        command = [sys.executable, "-m", "unitylink_lab.bench.server", board.line()]
+        served = stack.enter_context(Process(command)).line()
+        link = stack.enter_context(connect(served))
+        emulator = stack.enter_context(Process([native(run.checkout, "bench_uartbone")]))
+        peer = run.checkout / "bench" / "litex" / "peer.py"
+        theirs = stack.enter_context(Process([python, peer, "server", emulator.line()]))
+        if theirs.line() != "ready":
+            raise BenchError("LiteX's client did not come up")
+        number = iter(range(1 << 30))
+        calls: dict[str, Callable[[], object]] = {
+            "read": layer4_word(link).read,
+            "write": lambda: link.write(WRITTEN, next(number)),
+        }
+        result = in_turns(
+            lambda n: times(calls[operation], n),
+            lambda n: theirs.series(f"times {operation} {n}"),
+            rounds=run.rounds(31),
+            count=count,
+        )
+    return litex.figure(f"serve-litex-{operation}", title, limit, result)
+
+
+def measure_litex_read(run: Run) -> Figure:
+    """Measure reads through a server, ours and LiteX's."""
+    return through_litex(run, "read", COUNT, "reads through a server, times litex_server's", 3.0)
+
+
+def measure_litex_write(run: Run) -> Figure:
+    """Measure confirmed writes through a server.
+
+    LiteX acknowledges none, so its client reads the word back.
+    """
+    title = "confirmed writes through a server, times litex_server's"
+    return through_litex(run, "write", WRITES, title, 20.0)
 
 
 def main() -> None:
