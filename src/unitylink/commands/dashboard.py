@@ -17,6 +17,7 @@ from .link_option import link_argument, open_target, spec_option
 from .output import json_option, print_json
 from .page_options import page_extras, page_options
 from .root_option import root_option
+from .tls_options import tls_files_of, tls_options
 
 if TYPE_CHECKING:
     from unitylink.server.tokens import Tokens
@@ -34,7 +35,7 @@ _LOOK_S = 0.2  # between two looks whether the link has ended
 @click.option(
     "--name", "names", multiple=True, metavar="HOST", help="A further name of this machine in URLs."
 )
-@click.option("--tls", nargs=2, metavar="CERTIFICATE KEY", help="Serve with TLS: two files in PEM format.")
+@tls_options
 @click.option("--token-file", metavar="FILE", help="Who may do what (unitylink token). Else one fresh token.")
 @click.option("--audit", "audit_file", metavar="FILE", help="Append who did what to this file.")
 @click.option(
@@ -56,7 +57,9 @@ def command(
     listen: str,
     anyone: bool,
     names: tuple[str, ...],
-    tls: tuple[str, str] | None,
+    tls_cert: str | None,
+    tls_key: str | None,
+    tls_ca: str | None,
     token_file: str | None,
     audit_file: str | None,
     rate_hz: float,
@@ -71,20 +74,20 @@ def command(
     printed. It has a fresh token in it, which may do everything. With --token-file, each user logs in with a
     token of his own.
 
-    Only this machine reaches the page. Other machines need --listen HOST:PORT and --anyone. Without --tls,
-    tokens go over that network unencrypted.
+    Only this machine reaches the page. Other machines need --listen HOST:PORT and --anyone. Without
+    --tls-cert, tokens go over that network unencrypted.
 
     \b
     Examples:
       unitylink dashboard sim:arm.ul
       unitylink dashboard serial:/dev/ttyUSB0 --spec arm.ul --listen 8080
       unitylink dashboard sim:arm.ul --urdf arm.urdf --joint waist=j1.cpos
-      unitylink dashboard sim:arm.ul --listen 0.0.0.0:8443 --anyone --name lab7 --tls lab7.pem lab7.key
+      unitylink dashboard sim:arm.ul --listen 0.0.0.0:8443 --anyone --name lab7 --tls-cert lab7.pem
     """
     from unitylink.dashboard.opening import board_of, open_dashboard
     from unitylink.dashboard.place import read_place
 
-    place = read_place(listen, names, tls)
+    place = read_place(listen, names, tls_files_of(tls_cert, tls_key, tls_ca))
     if place.exposed and not anyone:
         raise click.UsageError(
             f"--listen {listen}: other machines could reach the page; if you want that, add --anyone"
@@ -107,8 +110,8 @@ def command(
         else:
             click.echo(f"the dashboard of {link}:\n  {page.url}/{f'#token={fresh}' if fresh else ''}")
             click.echo("Ctrl-C ends it")
-        if place.exposed and not place.certificate:
-            click.echo("warning: without --tls, tokens go over the network unencrypted", err=True)
+        if place.exposed and not place.tls:
+            click.echo("warning: without --tls-cert, tokens go over the network unencrypted", err=True)
         sys.stdout.flush()
         while not stop.wait(_LOOK_S):
             target.link.check_alive()

@@ -21,7 +21,7 @@ from .page_options import page_extras, page_options
 from .root_option import part_of, root_option
 from .serving import place_of
 from .stream_options import StreamOptions, stream_options
-from .tls_options import tls_files_of, tls_options
+from .tls_options import exposed, tls_files_of, tls_options
 
 if TYPE_CHECKING:
     from threading import Event
@@ -103,7 +103,8 @@ def command(
 
     If a board is away, the server waits for it. Programs are told so.
 
-    With --tls-cert all connections are encrypted. Programs say whom they trust: ?tls_ca=FILE in the URL.
+    With --tls-cert all connections of clients are encrypted, also those of the page and of Foxglove.
+    Programs say whom they trust: ?tls_ca=FILE in the URL.
 
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
     page is for one board, which must be there at the start. With --foxglove, --mqtt and --plotjuggler,
@@ -139,18 +140,14 @@ def command(
     host = host or "127.0.0.1"
     tls = tls_files_of(tls_cert, tls_key, tls_ca)
     if not is_loopback(host) and not anyone:
-        how = "" if tls else ", and tokens go there unencrypted"
-        raise click.UsageError(
-            f"{host} is no loopback address: other machines could reach the server{how}; if you want that, "
-            f"add --anyone{'' if tls else ', and --tls-cert to encrypt'}"
-        )
+        raise exposed(f"{host} is no loopback address: other machines could reach the server", tls)
     if len(spec.roots) > 1:
         raise Failure(
             f"{spec_file} has several boards: {', '.join(root.name for root in spec.roots)}",
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
-    streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, may)
+    streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, may, tls)
     streams.check(anyone=anyone)
     known = len(tokens)
     own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
@@ -161,9 +158,9 @@ def command(
         insiders = insiders.with_user(own_tokens[name], User(name, rights))
         tokens = tokens.with_user(own_tokens[name], User(name, rights))
     named = _named(links, spec)
-    place = read_place(page, option="--page") if page is not None else None
+    place = read_place(page, tls=tls, option="--page") if page is not None else None
     if place is not None and place.exposed and not anyone:
-        raise click.UsageError(f"--page {page}: other machines could reach the page; add --anyone")
+        raise exposed(f"--page {page}: other machines could reach the page", tls)
     if own_tokens and len(named) > 1:
         raise click.UsageError("--page and streams are for one board; start a server for each")
     more = page_extras(spec.roots[0], spec_file, **extras)
@@ -194,11 +191,14 @@ def command(
                 lines = pages.enter_context(opened)
             trust = f"?tls_ca={tls_cert}" if tls else ""
             _announce(server, spec, spec_file, fresh, as_json, trust=trust, page=page_url, streams=lines)
-            if not is_loopback(host):
-                how = f"{'is' if tls else 'is not'} encrypted"
-                click.echo(
-                    f"warning: other machines can reach {server.place}; what they send {how}", err=True
-                )
+            how = f"{'is' if tls else 'is not'} encrypted"
+            for reached in (host, server.place), (place.host if place else host, page_url):
+                if reached[1] and not is_loopback(reached[0]):
+                    click.echo(
+                        f"warning: other machines can reach {reached[1]}; what they send {how}", err=True
+                    )
+            for what in streams.unencrypted():
+                click.echo(f"warning: not encrypted: {what}", err=True)
             _write_metrics_until(stop, metrics_file, server)
             pages.close()  # before the link
     if log:

@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from unitylink.dashboard.place import Place, read_place
+from unitylink.dashboard.place import Place, is_loopback, read_place
 from unitylink.errors import UnityLinkError
 
 from .serving import place_of
+from .tls_options import exposed
 
 if TYPE_CHECKING:
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
+    from unitylink.server.tls_files import TlsFiles
     from unitylink.streams.mqtt.broker import Broker
     from unitylink.streams.source import Stream
 
@@ -61,6 +63,7 @@ class StreamOptions:
     mqtt_password_file: str | None
     plotjuggler: str | None
     may: Sequence[tuple[str, str]]
+    tls: TlsFiles | None = None  # for the clients of Foxglove
 
     @property
     def any(self) -> bool:
@@ -74,16 +77,22 @@ class StreamOptions:
                 raise click.UsageError(f"--may {tool}: add --{tool}, too")
             self._rights(tool)
         if self.foxglove is not None and self._foxglove.exposed and not anyone:
-            raise click.UsageError(
-                f"--foxglove {self.foxglove}: other machines could reach it, and tokens go there "
-                "unencrypted; if you want that, add --anyone"
-            )
+            raise exposed(f"--foxglove {self.foxglove}: other machines could reach it", self.tls)
         if self.plotjuggler is not None:
             self._plotjuggler()
         if self.mqtt is not None:
             self._mqtt()
         elif self.mqtt_password_file is not None:
             raise click.UsageError("--mqtt-password-file: add --mqtt, too")
+
+    def unencrypted(self) -> Iterator[str]:
+        """Yield what goes over a network as it is."""
+        if self.foxglove is not None and self._foxglove.exposed and not self.tls:
+            yield f"what goes to and from Foxglove (--foxglove {self.foxglove})"
+        if self.plotjuggler is not None and not is_loopback(self._plotjuggler()[0]):
+            yield f"what goes to PlotJuggler (--plotjuggler {self.plotjuggler}), which takes nothing else"
+        if self.mqtt is not None and not self._mqtt().secure and not is_loopback(self._mqtt().host):
+            yield f"what goes to and from {self._mqtt()}; mqtts: is encrypted"
 
     def users(self, *, fresh: bool) -> dict[str, Rights]:
         """Return the rights of the users that are part of the server: who reads, and who is at a tool.
@@ -110,7 +119,7 @@ class StreamOptions:
     @property
     def _foxglove(self) -> Place:
         assert self.foxglove is not None
-        return read_place(self.foxglove, option="--foxglove")
+        return read_place(self.foxglove, tls=self.tls, option="--foxglove")
 
     def _mqtt(self) -> Broker:
         from unitylink.streams.mqtt.broker import read_broker

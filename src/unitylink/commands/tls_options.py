@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The options of `unitylink serve` about encryption."""
+"""The options of `unitylink serve` and `unitylink dashboard` about encryption."""
 
 from __future__ import annotations
 
@@ -45,3 +45,10 @@ def tls_files_of(tls_cert: str | None, tls_key: str | None, tls_ca: str | None) 
     files = TlsFiles(tls_cert, tls_key or "", tls_ca or "")
     files.check()
     return files
+
+
+def exposed(what: str, tls: TlsFiles | None) -> click.UsageError:
+    """Return the error about a place that other machines could reach, which has to be said by --anyone."""
+    how = "" if tls else ", and tokens go there unencrypted"
+    more = "" if tls else ", and --tls-cert to encrypt"
+    return click.UsageError(f"{what}{how}; if you want that, add --anyone{more}")

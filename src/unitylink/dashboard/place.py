@@ -7,8 +7,12 @@ import ipaddress
 import socket
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from unitylink.errors import UnityLinkError
+
+if TYPE_CHECKING:
+    from unitylink.server.tls_files import TlsFiles
 
 EVERY_ADDRESS = ("0.0.0.0", "::")
 
@@ -17,8 +21,7 @@ EVERY_ADDRESS = ("0.0.0.0", "::")
 class Place:
     """An address to listen on. Port 0 takes a free one.
 
-    `names` are further names of this machine, as URLs have them. With a certificate and its key (PEM files)
-    the page is served with TLS.
+    `names` are further names of this machine, as URLs have them. With `tls` all is encrypted.
 
     >>> Place().scheme, Place("192.168.1.7", 80).exposed
     ('http', True)
@@ -27,13 +30,12 @@ class Place:
     host: str = "127.0.0.1"
     port: int = 0
     names: tuple[str, ...] = ()
-    certificate: str | None = None
-    key: str | None = None
+    tls: TlsFiles | None = None
     option: str = field(default="--listen", repr=False)  # of the command line, for errors
 
     @property
     def scheme(self) -> str:
-        return "https" if self.certificate else "http"
+        return "https" if self.tls else "http"
 
     @property
     def exposed(self) -> bool:
@@ -62,7 +64,7 @@ class Place:
 def read_place(
     listen: str,
     names: tuple[str, ...] = (),
-    tls: tuple[str, str] | None = None,
+    tls: TlsFiles | None = None,
     *,
     option: str = "--listen",
 ) -> Place:
@@ -71,13 +73,12 @@ def read_place(
     Raises UnityLinkError, which names the `option`, if it means none.
 
     >>> read_place("8080"), read_place("[::1]:0").host
-    (Place(host='127.0.0.1', port=8080, names=(), certificate=None, key=None), '::1')
+    (Place(host='127.0.0.1', port=8080, names=(), tls=None), '::1')
     """
     host, _, port = listen.rpartition(":")
     if not (port.isascii() and port.isdecimal()) or int(port) > 65535:
         raise UnityLinkError(f"{option} {listen}: expected [HOST:]PORT with a port from 0 to 65535")
-    certificate, key = tls if tls else (None, None)
-    return Place(host.strip("[]") or "127.0.0.1", int(port), names, certificate, key, option)
+    return Place(host.strip("[]") or "127.0.0.1", int(port), names, tls, option)
 
 
 def is_loopback(host: str) -> bool:

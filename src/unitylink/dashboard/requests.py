@@ -11,6 +11,7 @@ from typing import Any
 from unitylink.errors import ValueRangeError, shown
 
 MOST_SERIES = 256  # of one viewer
+REQUESTS_HZ, BURST = 100.0, 200  # of one viewer
 STEP_MIN_S, STEP_MAX_S = 1e-4, 3600.0
 
 

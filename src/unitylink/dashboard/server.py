@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import threading
 from typing import TYPE_CHECKING
 
 import uvicorn
 
-from unitylink.errors import UnityLinkError
-from unitylink.server.listening import listen
+from unitylink.server.listening import HANDSHAKE_S, listen
 
 from .guard import Guard
 from .listening import Protocol
@@ -34,6 +34,7 @@ class Dashboard:
     def __init__(self, station: Station, place: Place | None = None, *, viewers: int = VIEWERS) -> None:
         self.station = station
         place = place if place is not None else Place()
+        context = place.tls.context() if place.tls else None
         self._socket = listen(place.host, place.port, place.option)
         port = self._socket.getsockname()[1]
         self.url = place.url(port)
@@ -54,14 +55,9 @@ class Dashboard:
             proxy_headers=False,
             server_header=False,
             timeout_graceful_shutdown=CLOSING_S,
-            ssl_certfile=place.certificate,
-            ssl_keyfile=place.key,
         )
-        try:
-            config.load()
-        except OSError as error:
-            self._socket.close()
-            raise UnityLinkError(f"{place.certificate}: {error.strerror or error}") from error
+        config.load()
+        config.ssl = context
         self._server = uvicorn.Server(config)
         self._loop: asyncio.AbstractEventLoop | None = None
         self._stop: asyncio.Event | None = None
@@ -88,6 +84,9 @@ class Dashboard:
 
     async def _serve(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        if self._server.config.ssl is not None:  # uvicorn has no option for how long a handshake may take
+            create = functools.partial(self._loop.create_server, ssl_handshake_timeout=HANDSHAKE_S)
+            self._loop.create_server = create  # type: ignore[method-assign]
         rounds = asyncio.create_task(self.station.run(self._stop))
         serving = asyncio.create_task(self._server.serve(sockets=[self._socket]))
         self._started.set()

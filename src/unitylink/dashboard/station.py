@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from unitylink.errors import LinkError
 from unitylink.layer4_data import Node
 from unitylink.recording import Origin
+from unitylink.server.rate_limit import SharedLimit
 
 from .alarms import Alarms
 from .description import describe
@@ -25,7 +26,7 @@ from .feed import Feed
 from .frames import Frames
 from .promise import Promise
 from .records import Records
-from .requests import plain
+from .requests import BURST, REQUESTS_HZ, plain
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link, LinkEvent
@@ -70,6 +71,7 @@ class Station:
         self.promise.begin(feed.publications())
         feed.takers += [self.alarms.take, self.promise.take]
         self.viewers: set[Audience] = set()
+        self.limits = SharedLimit(REQUESTS_HZ, BURST)
         self.events: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self.round_trip_s: float | None = None
         self._loop: asyncio.AbstractEventLoop | None = None

@@ -24,7 +24,7 @@ from unitylink.server.subtree import contains
 
 from .desk import now
 from .frames import RANGE, VALUES, floats, latest
-from .requests import Request, read
+from .requests import BURST, REQUESTS_HZ, Request, read
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from .replay import Replay
     from .station import Station
 
-REQUESTS_HZ, BURST = 100.0, 200
 WAITING = 500  # texts that may wait for a viewer; one that lets more wait does not read any more
 
 
@@ -48,6 +47,7 @@ class Viewer:
         self._socket = socket
         self._station = station
         self._limit = RateLimit(REQUESTS_HZ, BURST)
+        self._shared = station.limits.of(client.name)  # with the other pages of this user
         self._waiting: deque[str | bytes] = deque()
         self._wake = asyncio.Event()
         self._ended = asyncio.Event()
@@ -139,8 +139,10 @@ class Viewer:
             text = await self._socket.receive_text()
             number = 0
             try:
-                if not self._limit.allow(now().steady_s):
-                    raise ValueRangeError(f"more than {REQUESTS_HZ:g} requests a second; wait a moment")
+                moment_s = now().steady_s
+                for limit in (self._limit, self._shared):
+                    if not limit.allow(moment_s):
+                        raise ValueRangeError(f"more than {limit.rate_hz:g} requests a second; wait a moment")
                 request = read(text)
                 number = request.number
                 if request.do not in self._do:

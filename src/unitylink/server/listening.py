@@ -8,6 +8,7 @@ import socket
 from unitylink.errors import UnityLinkError
 
 UNREAD_MS = 4000  # ms after which a client that takes nothing is gone
+HANDSHAKE_S = 4.0  # s that the handshake of TLS may take
 BUFFER_BYTES = 64 * 1024  # what the kernel keeps for such a client
 
 

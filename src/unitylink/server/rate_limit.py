@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many requests a client may make: a bucket of tokens that fills up at a constant rate."""
+"""How many requests a client, or a user with all clients, may make: buckets that fill up steadily."""
 
 from __future__ import annotations
 
@@ -32,3 +32,22 @@ class RateLimit:
     def wait_s(self, cost: float = 1.0) -> float:
         """Return how long a client has to wait after a refusal until `cost` is there."""
         return max(0.0, (cost - self._level) / self.rate_hz)
+
+
+CONNECTIONS = 4  # all connections of a user may ask as much as so many that each use their limit
+
+
+class SharedLimit:
+    """A bucket for each user, beside those of the connections. Users have the names of tokens: few.
+
+    >>> limits = SharedLimit(rate_hz=10.0, burst=1)
+    >>> [limits.of("ana").allow(now_s=0.0) for _ in range(5)], limits.of("ben").allow(now_s=0.0)
+    ([True, True, True, True, False], True)
+    """
+
+    def __init__(self, rate_hz: float, burst: int) -> None:
+        self._rate_hz, self._burst = CONNECTIONS * rate_hz, CONNECTIONS * burst
+        self._limits: dict[str, RateLimit] = {}
+
+    def of(self, user: str) -> RateLimit:
+        return self._limits.setdefault(user, RateLimit(self._rate_hz, self._burst))

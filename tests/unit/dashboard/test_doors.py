@@ -6,6 +6,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 
 import pytest
 from unit.dashboard.robot import Robot, robot
@@ -17,7 +18,7 @@ from unitylink.dashboard.place import Place, read_place
 from unitylink.dashboard.web_app import LOGIN_BURST, LOGINS_HZ
 from unitylink.errors import UnityLinkError
 from unitylink.server.listening import listen
-from unitylink.server.rate_limit import RateLimit
+from unitylink.server.rate_limit import RateLimit, SharedLimit
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +87,18 @@ def test_a_flood_of_requests_gets_errors_not_service(arm: Robot) -> None:
         viewer.until(lambda: "more than 100 requests" in viewer.told.get("error", ""))
     with arm.viewer() as other:
         assert other.ask("alive") == ""
+
+
+def test_the_pages_of_a_user_share_a_limit(arm: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(arm.page.station, "limits", SharedLimit(rate_hz=0.001, burst=5))
+    with ExitStack() as stack:
+        pages = [stack.enter_context(arm.viewer("cem")) for _ in range(10)]
+        assert [page.ask("alive") for page in pages + pages] == [""] * 20
+        for page in pages:  # none of them has asked much
+            page.socket.send('{"do":"alive"}')
+            page.until(lambda page=page: "more than 0.004 requests" in page.told.get("error", ""))
+        with arm.viewer() as other:
+            assert other.ask("alive") == ""
 
 
 @pytest.mark.parametrize(

@@ -109,7 +109,7 @@ def test_the_commands_serve_the_page(tmp_path: Path) -> None:
         (["--listen", "far"], "expected [HOST:]PORT"),
         (["--token-file", "/absent"], "/absent: No such file"),
         (["--audit", "/absent/log"], "there is no folder /absent"),
-        (["--listen", "127.0.0.1:0", "--tls", "/absent", "/absent"], "/absent: No such file"),
+        (["--listen", "127.0.0.1:0", "--tls-cert", "/absent"], "/absent: No such file"),
     ],
 )
 def test_the_command_says_what_is_wrong(

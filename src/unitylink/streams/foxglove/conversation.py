@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from unitylink.errors import UnityLinkError, ValueRangeError, shown
 from unitylink.recording.json_messages import schema_of
-from unitylink.server.rate_limit import RateLimit
+from unitylink.server.rate_limit import RateLimit, SharedLimit
 from unitylink.values import Quantity
 
 from ..hand import pulses, set_points
@@ -56,6 +56,7 @@ class Host(Protocol):
     hand: Hand
     name: str  # of the robot
     channels: Channels
+    limits: SharedLimit  # of users
     session: str  # another one means that all that was known of the server is void
 
     async def at_board(self, call: Callable[..., Any], *arguments: Any) -> Any: ...
@@ -69,7 +70,7 @@ class Conversation:
         self.client, self.rights = client, client.user.rights
         self.left_out = 0  # samples, since the last time that the client was told
         self._connection, self._server = connection, server
-        self._limit = RateLimit(REQUESTS_HZ, BURST)
+        self._limits = (RateLimit(REQUESTS_HZ, BURST), server.limits.of(client.name))
         self._waiting: deque[str | bytes] = deque()
         self._wake = asyncio.Event()
         self._ended = ""
@@ -205,8 +206,9 @@ class Conversation:
     async def _listen(self) -> None:
         async for message in self._connection:
             try:
-                if not self._limit.allow(time.monotonic()):
-                    raise ValueRangeError(f"more than {REQUESTS_HZ:g} requests a second; wait a moment")
+                for limit in self._limits:
+                    if not limit.allow(time.monotonic()):
+                        raise ValueRangeError(f"more than {limit.rate_hz:g} requests a second; wait a moment")
                 if isinstance(message, bytes):
                     call = read_call(message)
                     if call.service == _STOP:  # waits for no other request

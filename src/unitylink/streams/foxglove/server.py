@@ -17,12 +17,12 @@ from urllib.parse import parse_qs, urlsplit
 from unitylink.dashboard.place import Place
 from unitylink.errors import UnityLinkError
 from unitylink.optional import absent
-from unitylink.server.listening import listen
-from unitylink.server.rate_limit import RateLimit
+from unitylink.server.listening import HANDSHAKE_S, listen
+from unitylink.server.rate_limit import RateLimit, SharedLimit
 
 from ..hand import Hand
 from .channels import Channel, Channels
-from .conversation import Conversation
+from .conversation import BURST, REQUESTS_HZ, Conversation
 from .wire import SUBPROTOCOLS
 
 if TYPE_CHECKING:
@@ -56,9 +56,13 @@ class Foxglove:
         self.hand = hand
         self.name = hand.robot.name
         self.channels = Channels()
+        self.limits = SharedLimit(REQUESTS_HZ, BURST)
         self.session = str(time.time_ns() // 1_000_000)
         self.conversations: set[Conversation] = set()
         self._logins = RateLimit(LOGINS_HZ, LOGIN_BURST)
+        self._tls: dict[str, Any] = {}
+        if place.tls:
+            self._tls = {"ssl": place.tls.context(), "ssl_handshake_timeout": HANDSHAKE_S}
         self._socket = listen(place.host, place.port, "--foxglove")
         self.url = place.url(self._socket.getsockname()[1]).replace("http", "ws", 1)
         self._waiting: deque[Batches] = deque(maxlen=_ROUNDS)
@@ -132,6 +136,7 @@ class Foxglove:
             close_timeout=_CLOSING_S,
             server_header=None,
             logger=quiet,
+            **self._tls,
         ):
             while not self._stop.is_set():
                 with suppress(asyncio.TimeoutError):
