@@ -123,23 +123,16 @@ def component(
                 pins.append((texts[0], texts[1], bits))
         elif kind == "wire" and len(texts) == 3 and texts[1] in ("in", "out"):
             wires.append((texts[0], texts[1], texts[2]))
-        elif (
-            kind == "wire"
-            and len(texts) == 2
-            and texts[1] in ("in", "out")
-            and len(node.arguments) == 3
-            and evaluator.is_missing(node.arguments[2], names)
-        ):
-            wires.append((texts[0], texts[1], ""))  # the port is open
-        elif (
-            kind == "wire"
-            and len(texts) == 2
-            and texts[1] in ("in", "out")
-            and len(node.arguments) == 3
-            and (wire := evaluator.wire(node.arguments[2], names)) is not None
-        ):
+        elif kind == "wire" and texts[1:] in (["in"], ["out"]) and len(node.arguments) == 3:
             port, direction = texts
+            is_open = evaluator.is_missing(node.arguments[2], names)
+            wire = None if is_open else evaluator.wire(node.arguments[2], names)
+            if wire is None and not is_open:
+                _wrong(node, evaluator)
+                continue
             wires.append((port, direction, ""))
+            if wire is None:
+                continue
             if wire.direction == direction:
                 given_or_taken = "takes a value" if direction == "in" else "gives a value"
                 message = f"`{wire.name}` {given_or_taken} itself, and cannot be the {port} of this"
