@@ -15,8 +15,13 @@ from unitylink.commands.names import Names
 from unitylink.commands.plot import _draw, _recorded
 from unitylink.commands.term import prepare
 from unitylink.commands.wire_reader import wire_reader
+from unitylink.dashboard.requests import read
 from unitylink.recording import Origin, Sample, create
+from unitylink.server.questions import _answer as answer
+from unitylink.server.scopes import Rights
+from unitylink.server.tokens import User
 from unitylink.simulate.plants.recording import RecordingPlant
+from unitylink.streams.foxglove import wire as foxglove
 
 DRAWN = 40  # one of so many recordings is also drawn, which costs a hundred times as much as reading it
 
@@ -130,6 +135,62 @@ def read_transfers(data: bytes, _: Path) -> None:
     for number, piece in enumerate(data.split(b"\xff")):
         with allowed():
             reader.read(number / 1000, "sent" if piece[:1] == b">" else "received", piece[1:])
+
+
+# ---- what browsers and tools send to a server
+
+
+def page_requests(_: Path) -> list[bytes]:
+    return [
+        b'{"do": "take", "id": 3, "part": "j[0]", "seconds": 2.5}',
+        b'{"do": "view", "id": 4, "series": [[0, 0.01, -3.5], [2, 1, 0]]}',
+        b'{"do": "write", "id": 5, "values": {"j[0].pos": 1.5, "flags": {"ready": true}, "uptime": "7"}}',
+        b'{"do": "range", "series": [[1, 0.25, 10]], "end_s": 1e3}',
+    ]
+
+
+def read_page_request(data: bytes, _: Path) -> None:
+    with allowed():
+        request = read(data.decode("utf-8", "replace"))
+        for take in (
+            lambda: request.series(3),
+            lambda: request.text("part"),
+            lambda: request.seconds("seconds", 0.05, 3600.0),
+        ):
+            with allowed():
+                take()
+
+
+def foxglove_messages(_: Path) -> list[bytes]:
+    call = b"\2" + (1).to_bytes(4, "little") + (9).to_bytes(4, "little") + (4).to_bytes(4, "little")
+    return [
+        call + b'json{"value": 3}',
+        b'{"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 2}]}',
+        b'{"op": "setParameters", "id": "a", "parameters": [{"name": "j[0].pos", "value": [1, 2]}]}',
+        b'{"op": "unsubscribe", "subscriptionIds": [1, 2]}',
+    ]
+
+
+def read_foxglove_message(data: bytes, _: Path) -> None:
+    with allowed():
+        foxglove.read_call(data)
+    with allowed():
+        told = foxglove.read_text(data.decode("utf-8", "replace"))
+        for name, kind in (("subscriptions", dict), ("parameters", dict), ("subscriptionIds", int)):
+            with allowed():
+                for one in foxglove.entries(told, name, kind):
+                    foxglove.number(one if isinstance(one, dict) else {"id": one}, "id")
+
+
+def questions(_: Path) -> list[bytes]:
+    return [b"status", b"ask j1", b"give j1 ben", b"break *"]
+
+
+def read_question(data: bytes, _: Path) -> None:
+    # what the native side hands on: printable ASCII, and at most a line
+    line = "".join(chr(byte) for byte in data if 32 <= byte < 127)
+    with allowed():
+        answer(line.split(" "), User("ana", Rights.of(["read"])), "here", [], dict)
 
 
 def read_typed_lines(data: bytes, _: Path) -> None:

@@ -87,6 +87,22 @@ KINDS = (
         text=True,
     ),
     Kind(
+        "page request",
+        wire.page_requests,
+        wire.read_page_request,
+        10,
+        [*_TEXT, b"[", b"{", b"}", b"null", b"true", b"[" * 5000, b'"id":'],
+        text=True,
+    ),
+    Kind(
+        "Foxglove message",
+        wire.foxglove_messages,
+        wire.read_foxglove_message,
+        10,
+        [*_BYTES, *_TEXT, b"[", b"{", b"null", b"[" * 5000],
+    ),
+    Kind("question", wire.questions, wire.read_question, 3, [*_TEXT, b" ", b"*", b"status"]),
+    Kind(
         "spec",
         texts.specs,
         texts.read_spec,

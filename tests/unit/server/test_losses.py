@@ -245,3 +245,77 @@ def test_sigterm_ends_the_server_soon_and_its_outputs_are_safe(tmp_path: Path) -
             assert board.registers[0x1A] == 0
             with pytest.raises(LinkError):
                 link.write(0x1A, 1)
+
+
+def test_a_frame_that_is_too_long_harms_nobody(one: Served) -> None:
+    with one.link() as link, logged_in(one) as other:
+        for size in (5_000, 70_000, 300_000):
+            with contextlib.suppress(OSError):
+                other.sendall(b"\x01" * size + b"\0")  # one frame, for a zero ends it
+            link.write(0x50, size % 1000)
+            assert link.read(0x50) == size % 1000
+        until(lambda: [client for client in one.robot.report()["clients"] if client["discarded"] >= 1])
+        assert all(client["unsent"] < 64 * 1024 for client in one.robot.report()["clients"])
+
+
+def test_a_session_that_is_sent_again_executes_nothing(one: Served) -> None:
+    """Who has recorded the bytes of a client, with its token, comes in. Its requests are of no session there."""
+    with Recorder(one.server.place) as recorder:
+        with token_of("all"), Link(f"serve://{recorder.place}/arm?timeout=2") as link:
+            link.write(0x50, 11)
+            link.write(0x1A, 77)
+        said = recorder.said()
+    assert said.startswith(b"unitylink-serve") and said.count(b"\0") >= 5  # frames
+    with one.link() as link:
+        link.write(0x50, 12)
+        link.write(0x1A, 0)
+    with logged_in(one) as thief:  # with the same token, and not faster than the client was
+        thief.sendall(said.partition(b"\n")[2])
+        until(lambda: any(client["discarded"] >= 2 for client in one.robot.report()["clients"]))
+        with one.link("looks") as link:
+            assert link.read(0x50) == 12  # neither write was executed again
+    assert (one.board.registers[0x50], one.board.registers[0x1A]) == (12, 0)
+
+
+class Recorder:
+    """A place that forwards one connection to a server, and keeps what the client says."""
+
+    def __init__(self, server_place: str) -> None:
+        host, _, port = server_place.rpartition(":")
+        self._server = socket.create_connection((host, int(port)))
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.place = f"127.0.0.1:{self._listener.getsockname()[1]}"
+        self._bytes = bytearray()
+        self._thread = threading.Thread(target=self._forward, daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._listener.close()
+        self._server.close()
+        self._thread.join(10)
+
+    def said(self) -> bytes:
+        self._thread.join(10)  # the client has gone
+        assert not self._thread.is_alive()
+        return bytes(self._bytes)
+
+    def _forward(self) -> None:
+        client, _ = self._listener.accept()
+        back = threading.Thread(target=_pipe, args=(self._server, client, None), daemon=True)
+        back.start()
+        _pipe(client, self._server, self._bytes)
+        back.join(10)
+        client.close()
+
+
+def _pipe(source: socket.socket, sink: socket.socket, kept: bytearray | None) -> None:
+    with contextlib.suppress(OSError):
+        while data := source.recv(65536):
+            if kept is not None:
+                kept += data
+            sink.sendall(data)
+    with contextlib.suppress(OSError):
+        sink.shutdown(socket.SHUT_WR)
