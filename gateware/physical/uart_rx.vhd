@@ -8,6 +8,8 @@
 --
 -- Baud rate   Any up to clock_hz / 8: a phase accumulator divides the clock by fractions. The sender may be 3 % fast or
 --             slow at any of them. Sampling is at most 1/8 bit off the middle, and 3 % is 0.32 bit at the stop bit.
+--             increment, if it is not left open, is another rate: it is what the phase of phase_bits(clock_hz, baud_hz)
+--             bits gains in a clock. Then baud_hz is the slowest rate. Change it while reset is high.
 -- Guard       A synchroniser against metastability, then the median of three samples. So a spike shorter than one clock
 --             period is ignored, and edges do not move. A start bit that is over by its middle is ignored.
 -- Errors      rx_error, with rx_valid, gives the error. If it is not zero, the item is not a byte, and rx_data is void.
@@ -33,6 +35,9 @@ entity uart_rx is
     clock : in std_ulogic;
     reset : in std_ulogic; -- synchronous
 
+    increment : in unsigned(phase_bits(clock_hz, baud_hz) - 1 downto 0) :=
+      to_unsigned(phase_increment(clock_hz, baud_hz), phase_bits(clock_hz, baud_hz));
+
     line       : in  std_ulogic; -- asynchronous
     line_break : out std_ulogic; -- for one clock
 
@@ -45,12 +50,8 @@ end entity;
 
 architecture rtl of uart_rx is
 
-  constant bits      : positive := phase_bits(clock_hz, baud_hz);
-  constant increment : positive := phase_increment(clock_hz, baud_hz);
-
-  -- The first tick comes half a bit after the start edge, less two clocks. The edge was, on average, half a clock
-  -- before it was seen. A tick comes half a clock late, and takes effect one clock later.
-  constant start_phase : positive := 2 ** (bits - 1) + 2 * increment;
+  constant bits     : positive := phase_bits(clock_hz, baud_hz);
+  constant half_bit : positive := 2 ** (bits - 1);
 
   type state_t is (
     recover,     -- after reset or a broken frame, until the line is high
@@ -107,7 +108,9 @@ begin
           end if;
 
         when idle =>
-          phase    <= to_unsigned(start_phase, bits + 1);
+          -- The first tick comes half a bit after the start edge, less two clocks. The edge was, on average, half a
+          -- clock before it was seen. A tick comes half a clock late, and takes effect one clock later.
+          phase    <= to_unsigned(half_bit, bits + 1) + (increment & '0');
           odd_ones <= '0';
           all_low  <= '1';
           count    <= (others => '0');

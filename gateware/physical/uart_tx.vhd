@@ -6,6 +6,8 @@
 --
 -- Baud rate   Any up to clock_hz / 4: a phase accumulator divides the clock by fractions. An edge is at most one clock
 --             late. Over many frames the rate is exact to 0.05 %, and frames follow one another without a gap.
+--             increment, if it is not left open, is another rate: it is what the phase of phase_bits(clock_hz, baud_hz)
+--             bits gains in a clock. Then baud_hz is the slowest rate. Change it between frames.
 -- Latency     The start bit begins in the clock after tx_valid and tx_ready.
 -- Pressure    tx_ready is high for one clock per frame while there is something to send.
 -- Errors      None: every byte that is taken is sent.
@@ -27,6 +29,9 @@ entity uart_tx is
     clock : in std_ulogic;
     reset : in std_ulogic; -- synchronous; cuts the current frame short
 
+    increment : in unsigned(phase_bits(clock_hz, baud_hz) - 1 downto 0) :=
+      to_unsigned(phase_increment(clock_hz, baud_hz), phase_bits(clock_hz, baud_hz));
+
     tx_valid : in  std_ulogic;
     tx_ready : out std_ulogic;
     tx_data  : in  std_ulogic_vector(7 downto 0);
@@ -37,8 +42,7 @@ end entity;
 
 architecture rtl of uart_tx is
 
-  constant bits      : positive := phase_bits(clock_hz, baud_hz);
-  constant increment : positive := phase_increment(clock_hz, baud_hz);
+  constant bits : positive := phase_bits(clock_hz, baud_hz);
 
   function parity_bits return natural is
   begin
@@ -72,7 +76,7 @@ begin
     if rising_edge(clock) then
       -- Between frames without a gap the phase runs on, so that fractions of a clock add up to whole ones.
       if left = 0 then
-        phase <= to_unsigned(increment, bits + 1);
+        phase <= resize(increment, bits + 1);
       else
         phase <= ('0' & phase(bits - 1 downto 0)) + increment;
       end if;

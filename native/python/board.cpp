@@ -392,6 +392,8 @@ void bind_board(nb::module_& module) {
       .def("attach_esc", &attach_esc<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_i2c", &attach_i2c<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_servo", &attach_servo<PythonBoard>, nb::keep_alive<0, 1>())
+      .def("play", &Board::play, nb::arg("component"), nb::arg("pin"), nb::arg("levels"), Release())
+      .def("edges", &Board::edges, nb::arg("component"), nb::arg("pin"), Release())
       .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())
       .def(
           "turn",
@@ -401,18 +403,8 @@ void bind_board(nb::module_& module) {
             return self.turn(component, {std::get<0>(at), std::get<1>(at), std::get<2>(at), per_turn}, counts, seconds);
           },
           nb::arg("component"), nb::arg("lines"), nb::arg("per_turn"), nb::arg("counts"), nb::arg("seconds"), Release())
-      .def(
-          "look",
-          [](PythonBoard& self, std::uint32_t component, std::uint32_t pin) -> nb::object {
-            std::optional<SeenPin> seen;
-            {
-              const GilRelease released;
-              seen = self.look(component, pin);
-            }
-            return seen ? nb::object(nb::make_tuple(seen->level, seen->rises, seen->steps, seen->high_s, seen->time_s))
-                        : nb::none();
-          },
-          nb::arg("component"), nb::arg("pin"), "(level, rises, steps, high_s, time_s) of an output pin, or None.")
+      .def("look", &look_at_pin<PythonBoard>, nb::arg("component"), nb::arg("pin"),
+           "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
       .def(
           "async_take",

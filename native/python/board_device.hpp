@@ -74,4 +74,16 @@ std::optional<BoardDevice> attach_i2c(PythonBoard& self, std::uint32_t component
   return BoardDevice{&self, component, scl_drive};
 }
 
+template <class PythonBoard>
+nanobind::object look_at_pin(PythonBoard& self, std::uint32_t component, std::uint32_t pin) {
+  std::optional<device::SeenPin> seen;
+  {
+    const GilRelease released;
+    seen = self.look(component, pin);
+  }
+  return seen
+             ? nanobind::object(nanobind::make_tuple(seen->level, seen->rises, seen->steps, seen->high_s, seen->time_s))
+             : nanobind::none();
+}
+
 }  // namespace unitylink::python

@@ -12,6 +12,7 @@ from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.clock_true_faults import FAULTS
 from gateware.dshot_line import replies_of_dshot
+from gateware.serial_line import serial_line
 from gateware.servo_line import replies_of_servos
 from gateware.simulators import Ghdl
 
@@ -212,6 +213,25 @@ CASES = {
             SERVO_BUS,
             300,
         ),
+    ),
+    "uart_bridge": (
+        Case(
+            "baud_hz=50000, hold=600 us, depth=4",
+            {0: (0x55, 0, 0xFF), 2: (0, 0, 0, 4)},
+            pause=400,
+            outside=serial_line,
+            clocks=60_000,
+            clock_hz=400_000,
+        ),
+        Case(
+            "baud_hz=38400, parity=1, stop_bits=2, half_duplex=1, depth=2",
+            {2: (4, 0, 0, 3)},
+            pause=900,
+            outside=serial_line,
+            clocks=40_000,
+            clock_hz=400_000,
+        ),
+        Case("baud_hz=50000, parity=2, depth=8", pause=200, quiet=300, clock_hz=400_000),
     ),
     "i2c_device": (
         Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),

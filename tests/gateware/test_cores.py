@@ -85,6 +85,22 @@ def test_a_clock_that_is_too_slow_for_the_bus_of_servos_stops_elaboration(ghdl: 
     ghdl.refuse("servo_bus_tb", "a bit needs 8 clocks or more; 2000000 baud", clock_hz=15_000_000)
 
 
+@pytest.mark.parametrize(
+    "generics",
+    [
+        {},
+        {"parity": 1, "half_duplex": 1, "hold_us": 0},
+        {"clock_hz": 9_000_000, "baud_hz": 1_000_000, "parity": 2, "stop_bits": 2},
+    ],
+)
+def test_uart_bridge(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("uart_bridge_tb", **generics)
+
+
+def test_a_clock_that_is_too_slow_for_the_line_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("uart_bridge_tb", "500000 baud needs a clock of 500000 * 8 Hz", clock_hz=3_900_000)
+
+
 @pytest.mark.parametrize(("clock_hz", "fault_level"), [(50_000_000, 1), (12_000_000, 0)])
 def test_bridge_gates(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("bridge_gates_tb", clock_hz=clock_hz, fault_level=fault_level)

@@ -16,7 +16,7 @@ PHYSICAL_BLOCKS = (
         not_proven="parity, two stop bits, bits that are no whole number of clocks: the benches test them",
         mutants=(
             Mutant("uart_tx.vhd", "left = 1 and tick = '1') else", "left = 1) else"),
-            Mutant("uart_tx.vhd", "phase <= to_unsigned(increment, bits + 1);", "phase <= (others => '0');"),
+            Mutant("uart_tx.vhd", "phase <= resize(increment, bits + 1);", "phase <= (others => '0');"),
             Mutant("uart_tx.vhd", "shift <= '1' & shift(9 downto 1);", "shift <= '0' & shift(9 downto 1);"),
         ),
     ),

@@ -290,6 +290,13 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "uart_bridge",
+        "a component: a serial line with queues of 64 bytes",
+        top="uart_bridge",
+        mhz_least=50.0,
+        memories_most=2,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

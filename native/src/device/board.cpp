@@ -321,60 +321,6 @@ void Board::pulse_event(std::uint32_t group) {
   wake();
 }
 
-bool Board::drive(std::uint32_t component, std::uint32_t pin, bool level) {
-  const auto lock = enter();
-  const bool found = device_->pins().drive(component, pin, level, device_->clock());
-  wake();
-  return found;
-}
-
-bool Board::turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, double seconds) {
-  const auto lock = enter();
-  const Clock now = device_->clock();
-  const auto duration = static_cast<Clock>(std::llround(seconds * configuration().clock_hz));
-  const bool found = device_->pins().turn(component, lines, counts, now, now + duration);
-  wake();
-  return found;
-}
-
-bool Board::attach(std::uint32_t component, const DeviceLines& lines) {
-  const auto lock = enter();
-  const bool found = device_->pins().attach(component, lines, device_->clock()) != nullptr;
-  wake();
-  return found;
-}
-
-bool Board::with_device(std::uint32_t component, std::uint32_t out, const std::function<void(BusDevice&)>& use) {
-  const auto lock = enter();
-  BusDevice* found = device_->pins().attached(component, out);
-  if (found != nullptr) {
-    use(*found);
-  }
-  return found != nullptr;
-}
-
-bool Board::count_by(std::uint32_t component, std::uint32_t pin, std::uint32_t direction) {
-  const auto lock = enter();
-  OutputPin* counted = device_->pins().output(component, pin, device_->clock());
-  const OutputPin* chosen = device_->pins().output(component, direction, device_->clock());
-  if (counted == nullptr || chosen == nullptr) {
-    return false;
-  }
-  counted->count_by(chosen);
-  return true;
-}
-
-std::optional<SeenPin> Board::look(std::uint32_t component, std::uint32_t pin) {
-  const auto lock = enter();
-  const Clock now = device_->clock();
-  const OutputPin* found = device_->pins().output(component, pin, now);
-  if (found == nullptr) {
-    return std::nullopt;
-  }
-  const auto seconds = [this](Clock clock) { return static_cast<double>(clock) / configuration().clock_hz; };
-  return SeenPin{found->level(), found->rises(), found->steps(), seconds(found->high_clocks(now)), seconds(now)};
-}
-
 void Board::receive_error(std::uint8_t bits) {
   const auto lock = enter();
   device_->receive_error(bits);

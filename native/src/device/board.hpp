@@ -77,6 +77,10 @@ class Board {
   // Calls `use` with the device whose first line is this output of a component. False: there is none.
   bool with_device(std::uint32_t component, std::uint32_t out, const std::function<void(BusDevice&)>& use);
   bool count_by(std::uint32_t component, std::uint32_t pin, std::uint32_t direction);
+  // Levels of an input, each so many seconds from now, and the edges of an output with their times.
+  using PinLevels = std::vector<std::pair<double, bool>>;
+  void play(std::uint32_t component, std::uint32_t pin, const PinLevels& levels);
+  std::optional<PinLevels> edges(std::uint32_t component, std::uint32_t pin);
   std::optional<SeenPin> look(std::uint32_t component, std::uint32_t pin);
   void set_online(bool online);  // this call and the next are for the TosNet
   void damage_cycle();

@@ -11,6 +11,7 @@ from unitylink.interface.components import ComponentConfiguration
 
 from .bus_servo import BusServo
 from .device_registers import DeviceRegisters
+from .serial_end import SerialEnd
 from .speed_controller import SpeedController
 
 _ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller or of a servo
@@ -52,6 +53,7 @@ class BoardComponent:
         self._device: DeviceRegisters | None = None
         self._controllers: dict[int, SpeedController] = {}
         self._servos: dict[int, BusServo] = {}
+        self._serial: SerialEnd | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -120,6 +122,42 @@ class BoardComponent:
         place = pins[0], pins[1], pins[2] if per_turn else 0
         if not self._native.turn(self._number, place, per_turn, int(counts // 1), max(0.0, seconds)):
             raise self._without_pins()
+
+    def play(self, port: str, levels: Sequence[tuple[float, bool]], bit: int = 0) -> None:
+        """Put levels on an input, each so many seconds from now. What is played follows what is still played.
+
+        board.components["gnss"].play("rx", [(0.0, False), (1e-3, True)])  # low for a millisecond
+        """
+        self._native.play(self._number, self._pin("in", port, bit), levels)
+
+    def edges(self, port: str, bit: int = 0) -> list[tuple[float, bool]]:
+        """Return the edges of an output since the last call: when, in seconds, and the level from then on.
+
+        The first call begins, and returns none. Of more than a million the oldest are lost.
+        """
+        found = self._native.edges(self._number, self._pin("out", port, bit))
+        if found is None:
+            raise self._without_pins()
+        return found
+
+    def time_s(self) -> float:
+        """Return the time of the board, in seconds since it began."""
+        return self._native.time_s()
+
+    def serial(self, baud_hz: float | None = None) -> SerialEnd:
+        """Return the far end of the line of a `uart_bridge`. The first call puts it there, with this rate.
+
+        receiver = board.components["gnss"].serial()
+        receiver.send(b"$GNGGA,")
+        receiver.take()  # what the gateware has sent
+        """
+        if self._serial is None:
+            self.drive("rx", True)
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            self._serial = SerialEnd(self, baud_hz or facts["baud_hz"], facts["parity"], facts["stop_bits"])
+        elif baud_hz:
+            self._serial.baud_hz = baud_hz
+        return self._serial
 
     @property
     def device(self) -> DeviceRegisters:

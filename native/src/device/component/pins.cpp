@@ -142,6 +142,36 @@ void Pins::drive_at(std::uint32_t component, std::uint32_t pin, bool level, Cloc
   later_.emplace(at, Later{component, pin, level});
 }
 
+void Pins::play(std::uint32_t component, std::uint32_t pin, const std::vector<PinChange>& changes, Clock now) {
+  Clock& until = played_until_[{component, pin}];
+  const Clock start = std::max(until, now);
+  for (const PinChange& one : changes) {
+    drive_at(component, pin, one.level, start + one.at);
+    until = std::max(until, start + one.at);
+  }
+}
+
+std::optional<std::vector<PinChange>> Pins::take_edges(std::uint32_t component, std::uint32_t pin, Clock now) {
+  constexpr std::size_t edges_most = std::size_t{1} << 20;
+  OutputPin* found = output(component, pin, now);
+  if (found == nullptr) {
+    return std::nullopt;
+  }
+  const auto [place, is_new] = edges_.try_emplace({component, pin});
+  std::deque<PinChange>& edges = place->second;
+  if (is_new) {
+    found->watch([&edges](bool level, Clock state) {
+      edges.push_back({state, level});
+      if (edges.size() > edges_most) {
+        edges.pop_front();
+      }
+    });
+  }
+  std::vector<PinChange> taken(edges.begin(), edges.end());
+  edges.clear();
+  return taken;
+}
+
 // The clock of the next count. With more than one count a clock, the lines jump, as those of a shaft that is too fast.
 Clock Pins::Shaft::next() const noexcept {
   if (counts == to) {

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,6 +26,12 @@ struct EncoderLines {
   std::int64_t per_turn = 0;  // 0: there is no index
 
   friend bool operator<(const EncoderLines& left, const EncoderLines& right) noexcept { return left.a < right.a; }
+};
+
+// A pin has another level from this clock on.
+struct PinChange {
+  Clock at = 0;
+  bool level = false;
 };
 
 // Ports called X_in, X_out and X_drive are one pin that goes both ways: an output that is driven is what is read.
@@ -47,6 +55,11 @@ class Pins {
   [[nodiscard]] BusDevice* attached(std::uint32_t component, std::uint32_t place) const noexcept;
   // Drives an input later, as a device does that answers.
   void drive_at(std::uint32_t component, std::uint32_t pin, bool level, Clock at);
+  // Gives an input these levels, each so many clocks from `now`. What is played to a pin follows what is still played.
+  void play(std::uint32_t component, std::uint32_t pin, const std::vector<PinChange>& changes, Clock now);
+  // The edges of an output since the last call, or nothing if there is no such pin. The first call begins. Of more
+  // than `edges_most` the oldest are lost.
+  std::optional<std::vector<PinChange>> take_edges(std::uint32_t component, std::uint32_t pin, Clock now);
   // When the next line changes that somebody waits for. The others change when the component is asked.
   [[nodiscard]] Clock next_turn() const noexcept;
   // All lines show what they show at `now`. Call it before a component is asked.
@@ -98,6 +111,8 @@ class Pins {
   std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<BusDevice>> devices_;
   std::multimap<Clock, Later> later_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Clock> played_until_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::deque<PinChange>> edges_;
 };
 
 }  // namespace unitylink::device

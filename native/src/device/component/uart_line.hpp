@@ -85,6 +85,11 @@ class UartReceiver {
     moves_until_ = std::max(moves_until_, edge + 5);
     next_ = std::min(next_, edge);
   }
+  // From the next edge on it has this rate. It is in reset then.
+  void tune(std::uint64_t clock_hz, std::uint64_t baud_hz) {
+    rate_ = Tick(clock_hz, baud_hz);
+    start_ = (std::uint64_t{1} << (rate_.bits() - 1)) + 2 * rate_.increment();
+  }
   // The reset is released: `edge` is the last one with it.
   void release(Clock edge) noexcept {
     samples_ = {true, true};
