@@ -259,7 +259,7 @@ def test_a_frame_that_is_too_long_harms_nobody(one: Served) -> None:
 
 
 def test_a_session_that_is_sent_again_executes_nothing(one: Served) -> None:
-    """Who has recorded the bytes of a client, with its token, comes in. Its requests are of no session there."""
+    """Who has recorded the bytes of a client, with its token, comes in. They are of no session there."""
     with Recorder(one.server.place) as recorder:
         with token_of("all"), Link(f"serve://{recorder.place}/arm?timeout=2") as link:
             link.write(0x50, 11)
