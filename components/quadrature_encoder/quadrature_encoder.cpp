@@ -17,12 +17,12 @@ class QuadratureEncoder final : public Component {
  public:
   explicit QuadratureEncoder(const ComponentConfiguration& from)
       : Component(from, from.generic("with_velocity", 0) != 0 ? "1001000" : "100100", true),
-        filter_(3, stable_clocks(from)),
+        filter_(3, InputFilter::lasting(from.generic("filter_ns", 40), from.generic("clock_hz", 50'000'000))),
         with_index_(from.generic("with_index", 0) != 0),
         with_stamps_(from.generic("with_stamps", 0) != 0),
         words_(from.generic("with_velocity", 0) != 0 ? velocity + 1u : velocity),
         data_mask_(from.data_mask()),
-        speed_(from) {
+        speed_(from, from.generic("velocity_us", 1000), from.generic("stall_us", 100'000)) {
     wait_until(round_clocks + 1);
     initial_wire(position_wire, wire_of(0));
     if (has_velocity()) {
@@ -51,12 +51,6 @@ class QuadratureEncoder final : public Component {
   static constexpr Clock takes_velocity = 2 * velocity;
   static constexpr Clock shows = round_clocks - 1;
 
-  // A level counts when it has been stable for so long: clocks_lasting of rate_pkg.vhd.
-  [[nodiscard]] static std::uint32_t stable_clocks(const ComponentConfiguration& from) {
-    const std::int64_t clock_khz = (from.generic("clock_hz", 50'000'000) + 999) / 1000;
-    return static_cast<std::uint32_t>(
-        std::max<std::int64_t>(1, (from.generic("filter_ns", 40) * clock_khz + 999'999) / 1'000'000));
-  }
   // The first edge from `edge` on with this place in its round.
   [[nodiscard]] static Clock at_place(Clock place, Clock edge) noexcept {
     return edge + (place + round_clocks - edge % round_clocks) % round_clocks;

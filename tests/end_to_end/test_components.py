@@ -71,6 +71,21 @@ def test_a_shaft_turns_an_encoder(spec: Spec, board: Board) -> None:
         assert link.read(address(spec, "wheel[1].impossible")) == 0
 
 
+def test_pulses_are_counted_and_timed() -> None:
+    text = "link c(ADDRESS=8); public c() { flow: pulse_counter(timeout_ms=50, with_frequency=1); }"
+    spec = compile_text(text, "c.ul").spec
+    assert spec is not None
+    with Board(spec, endpoint="tcp") as board, Link(board.url) as link:
+        # four counts of an encoder are one pulse
+        board.components["flow"].turn(4 * 200, seconds=0.2, lines=("line", "gate"))
+        until(lambda: link.read(address(spec, "flow.frequency")) == 1000 * 256)
+        assert link.read(address(spec, "flow.period")) == 1000
+        until(lambda: link.read(address(spec, "flow.count")) == 200)
+        until(lambda: link.read(address(spec, "flow.period")) == 0)
+        until(lambda: link.read(address(spec, "flow.frequency")) == 0)
+        assert link.read(address(spec, "flow.stamp")) > 199_000
+
+
 def test_an_index_comes_once_a_turn(spec: Spec, board: Board) -> None:
     with Link(board.url) as link:
         board.components["wheel[0]"].turn(350, 0.01, per_turn=100)

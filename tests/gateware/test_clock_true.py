@@ -81,6 +81,7 @@ SERVO_BUS = {8 * n: (0, 1, 1, 2, 2, 2, 3) for n in range(2)} | {
     16: (1, *[3] * 20, 0),
     24: (*[1] * 20, 0),
 }
+PULSES = {0: (0, 7, 0xFFFFFFFE), 1: (*[0] * 20, 1)}
 CASES = {
     "stepgen": (
         Case(
@@ -320,6 +321,17 @@ CASES = {
             "channels=3, modulator_hz=1000000, osr=10", {0: (0, 1, 1), 2: (0, 0, 200)}, pause=300, quiet=300
         ),
         Case("channels=1, modulator_hz=290000, osr=12, trip_osr=12", {0: (0, 1, 1), 2: (0,)}, 90, 2000),
+    ),
+    "pulse_counter": (
+        Case("filter_ns=800, time_hz=100000, timeout_ms=1", PULSES, 200, 4000, wait=34, clocks=60_000),
+        Case("filter_ns=0, time_hz=2300000, timeout_ms=1, with_gate=1", PULSES, 900, 200, wait=34),
+        Case(
+            "filter_ns=0, time_hz=1000000, timeout_ms=1, with_frequency=1, frequency_us=180",
+            PULSES,
+            pause=300,
+            quiet=2000,
+            wait=34,
+        ),
     ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),

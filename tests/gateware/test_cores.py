@@ -68,6 +68,21 @@ def test_more_bits_than_the_chip_has_stop_elaboration(ghdl: Any) -> None:
 
 
 @pytest.mark.parametrize(
+    ("stable_clocks", "generics"),
+    [(2, {}), (1, {"time_hz": 4_000_000, "with_gate": 0, "with_frequency": 1})],
+)
+def test_pulse_counter(ghdl: Any, stable_clocks: int, generics: dict[str, int]) -> None:
+    ghdl.run("pulse_counter_tb", stable_clocks=stable_clocks, **generics)
+
+
+def test_a_timeout_that_does_not_fit_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("pulse_counter_tb", "the timeout is 64 ticks to half of", timeout_ms=400, data_width=16)
+    ghdl.refuse(
+        "pulse_counter_tb", "with a frequency, timeout_ms is at most 500", timeout_ms=501, with_frequency=1
+    )
+
+
+@pytest.mark.parametrize(
     ("clock_hz", "modulator_hz", "osr"), [(50_000_000, 10_000_000, 64), (48_000_000, 12_000_000, 40)]
 )
 def test_sigma_delta_adc(ghdl: Any, clock_hz: int, modulator_hz: int, osr: int) -> None:

@@ -248,6 +248,12 @@ ROWS = (
         memories_most=4,
     ),
     Row(
+        "pulse_counter",
+        "a component: counts and times the pulses of a line, without a frequency",
+        top="narrow_pulse_counter",
+        mhz_least=50.0,
+    ),
+    Row(
         "pwm",
         "a component: four channels of PWM at 20 kHz",
         top="pwm",

@@ -12,9 +12,9 @@ namespace unitylink::device {
 
 class EdgeVelocity {
  public:
-  explicit EdgeVelocity(const ComponentConfiguration& from)
-      : window_(clocks_of(from.generic("velocity_us", 1000), from)),
-        stall_(clocks_of(from.generic("stall_us", 100'000), from)),
+  EdgeVelocity(const ComponentConfiguration& from, std::int64_t window_us, std::int64_t stall_us)
+      : window_(clocks_of(window_us, from)),
+        stall_(clocks_of(stall_us, from)),
         factor_(static_cast<std::uint64_t>(clock_hz(from)) * 256),
         speed_most_(from.data_mask() >> 1),
         tick_(window_ - 1) {

@@ -15,6 +15,12 @@ class InputFilter {
  public:
   InputFilter(std::uint32_t width, std::uint32_t stable_clocks) : pins_(width), stable_clocks_(stable_clocks) {}
 
+  // Clocks that last at least so long: clocks_lasting of rate_pkg.vhd.
+  [[nodiscard]] static std::uint32_t lasting(std::int64_t time_ns, std::int64_t clock_hz) noexcept {
+    const std::int64_t clock_khz = (clock_hz + 999) / 1000;
+    return static_cast<std::uint32_t>(std::max<std::int64_t>(1, (time_ns * clock_khz + 999'999) / 1'000'000));
+  }
+
   // Edge `edge` is the first to sample `level`. Calls come in the order of time.
   void drive(std::uint32_t pin, bool level, Clock edge) noexcept {
     Pin& one = pins_[pin];
