@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "board_device.hpp"
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <string>
 
 namespace nb = nanobind;
@@ -44,7 +47,20 @@ void bind_board_device(nb::module_& module) {
             self.board->with_device(self.component, self.out,
                                     [plugged](BusDevice& device) { device.plugged = plugged; });
           },
-          nb::arg("plugged"), Release());
+          nb::arg("plugged"), Release())
+      .def(
+          "shortest",
+          [](const BoardDevice& self) {
+            std::map<std::string, std::uint64_t> found;
+            {
+              const GilRelease released;
+              self.board->with_device(self.component, self.out, [&found](const BusDevice& device) {
+                found.insert(device.shortest.begin(), device.shortest.end());
+              });
+            }
+            return found;
+          },
+          "The shortest times that it has seen, in clocks.");
 }
 
 }  // namespace unitylink::python

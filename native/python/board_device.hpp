@@ -22,13 +22,14 @@ struct BoardDevice {
 
 using SpiPins = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
 
-// Puts a device on SPI at pins of a component: select_n, sclk, mosi and miso. None: it has no such pins.
+// Puts a device on SPI at pins of a component: select_n, sclk, mosi and miso. With `word_bits` it has no registers, and
+// sends words. None: it has no such pins.
 template <class PythonBoard>
 std::optional<BoardDevice> attach_spi(PythonBoard& self, std::uint32_t component, const SpiPins& pins,
-                                      std::uint32_t mode) {
+                                      std::uint32_t mode, std::uint32_t word_bits, bool numbered) {
   const auto [select_n, sclk, mosi, miso] = pins;
   const GilRelease released;
-  if (!self.attach(component, device::SpiLines{select_n, sclk, mosi, miso, mode})) {
+  if (!self.attach(component, device::SpiLines{select_n, sclk, mosi, miso, mode, word_bits, numbered})) {
     return std::nullopt;
   }
   return BoardDevice{&self, component, select_n};

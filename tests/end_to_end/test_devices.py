@@ -21,6 +21,8 @@ public body() {
    imu: icm42688(rate=100 Hz, start=2 ms);
    other: lsm6dso();
    gauge: spi_device(command=0x90, words=2, bytes=3, order="little", mode=2);
+   converter: mcp3008(scale=3.3 V);
+   heat: max31855();
    wheel: quadrature_encoder();
 }
 """
@@ -98,6 +100,24 @@ def test_values_of_three_bytes_with_the_lowest_first(board: Board) -> None:
         until(lambda: not robot["gauge.status"].read().valid)
 
 
+def test_converters_without_registers_send_words(board: Board) -> None:
+    converter = board.components["converter"].device_with(word_bits=10, numbered=True)
+    heat = board.components["heat"].device_with(word_bits=32)
+    converter.set_word(8 + 3, 512)
+    heat.set_word(0, 0xF060C900)  # of the datasheet
+    with Link(f"{board.url}?timeout=20") as link:
+        robot = load_spec_objects(board.spec, link)
+        until(lambda: robot["converter.level[3]"].read() == pytest.approx(1.65))
+        assert robot["converter.level[4]"].read() == 0
+        until(lambda: robot["heat.temperature"].read() == -250)
+        assert robot["heat.junction"].read() == -55 and not robot["heat.fault"].read().open
+        converter.plugged = False
+        until(lambda: robot["converter.status"].read().failure.name == "wrong_reply")
+        assert robot["converter.level[3]"].read() == pytest.approx(1.65)  # the last good one
+    seen = converter.shortest_s
+    assert seen["sclk_high"] >= 125e-9 and seen["select_high"] >= 270e-9  # of its datasheet
+
+
 def test_a_shaft_turns_beside_a_device(board: Board) -> None:
     board.components["imu"].device[0x75] = 0x47
     with Link(f"{board.url}?timeout=20") as link:
@@ -121,4 +141,9 @@ def test_what_a_device_has_not_is_refused(board: Board) -> None:
             gauge[place] = value
     with pytest.raises(ValueRangeError, match="0 to 255"):
         gauge[300]
+    for number, word in ((16, 0), (-1, 0), (0, 1 << 32), (0, -1)):
+        with pytest.raises(ValueRangeError, match="gauge has words 0 to 15"):
+            gauge.set_word(number, word)
+    with pytest.raises(ValueRangeError, match="word_bits 1 to 32"):
+        board.components["imu"].device_with(word_bits=33)
     assert gauge is board.components["gauge"].device

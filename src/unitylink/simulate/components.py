@@ -171,12 +171,26 @@ class BoardComponent:
         """
         return self.device_with(register_bytes=1)
 
-    def device_with(self, *, register_bytes: int) -> DeviceRegisters:
+    def device_with(
+        self, *, register_bytes: int = 1, word_bits: int = 0, numbered: bool = False
+    ) -> DeviceRegisters:
         """Return the device, whose registers have one byte or two. Its bytes are counted all the same.
 
-        converter = board.components["converter"].device_with(register_bytes=2)
-        converter[2 * 3 : 2 * 3 + 2] = bytes([0x12, 0x34])  # the register 3, on I²C
+        meter = board.components["meter"].device_with(register_bytes=2)
+        meter[2 * 3 : 2 * 3 + 2] = bytes([0x12, 0x34])  # the register 3, on I²C
+
+        With `word_bits` it is a device on SPI without registers, as converters are. It sends one word of 1 to
+        32 bits a frame: its word 0, or, if it is `numbered`, that of the four bits behind a start bit.
+
+        converter = board.components["converter"].device_with(word_bits=10, numbered=True)  # MCP3008
+        converter.set_word(8 + 3, 512)  # half of the reference voltage, at its input 3 against ground
         """
+        spi = self.configuration.entity == "spi_device"
+        if register_bytes not in (1, 2) or not 0 <= word_bits <= 32 or (word_bits and not spi):
+            raise ValueRangeError(
+                f"the device of {self.configuration.path}: choose register_bytes 1 or 2, or, on SPI, "
+                f"word_bits 1 to 32, not {register_bytes} and {word_bits}"
+            )
         if self._device is None:
             facts = dict(self.configuration.generics)
             if self.configuration.entity == "i2c_device":
@@ -187,10 +201,12 @@ class BoardComponent:
             else:
                 select_n, sclk, mosi = (self._pin("out", name, 0) for name in ("select_n", "sclk", "mosi"))
                 pins = select_n, sclk, mosi, self._pin("in", "miso", 0)
-                found = self._native.attach_spi(self._number, pins, int(facts.get("mode", 0)))
+                mode = int(facts.get("mode", 0))
+                found = self._native.attach_spi(self._number, pins, mode, word_bits, numbered)
             if found is None:
                 raise self._without_pins()
-            self._device = DeviceRegisters(found, self.configuration.path)
+            clock_hz = int(facts["clock_hz"])
+            self._device = DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz)
         return self._device
 
     def controller(self, channel: int = 0) -> SpeedController:

@@ -7,6 +7,8 @@ from unitylink import _native
 from unitylink.errors import ValueRangeError
 
 _REGISTERS = 256
+_WORDS = 16
+_WORD_BYTES = 4
 
 
 class DeviceRegisters:
@@ -20,9 +22,10 @@ class DeviceRegisters:
     Calls may come from any thread. Raises ValueRangeError for a register or a byte that there is not.
     """
 
-    def __init__(self, native: _native.BoardDevice, path: str) -> None:
+    def __init__(self, native: _native.BoardDevice, path: str, *, clock_hz: int = 0) -> None:
         self._native = native
         self._path = path
+        self._clock_hz = clock_hz
         self._plugged = True
 
     @property
@@ -34,6 +37,25 @@ class DeviceRegisters:
     def plugged(self, plugged: bool) -> None:
         self._plugged = plugged
         self._native.plug(plugged)
+
+    @property
+    def shortest_s(self) -> dict[str, float]:
+        """The shortest times that the device has seen at its lines, to compare with those of its datasheet.
+
+        On SPI: `sclk_high`, `sclk_low`, `select_setup` (select_n falls, then sclk changes), `select_hold` and
+        `select_high`. On I²C: `scl_high`, `scl_low`, `data_setup`, `start_setup`, `start_hold`, `stop_setup`
+        and `bus_free`. A time that has not ended yet is not there.
+        """
+        return {what: clocks / self._clock_hz for what, clocks in self._native.shortest().items()}
+
+    def set_word(self, number: int, value: int) -> None:
+        """Set a word of a device that has no registers, but sends words: 0 to 15, with at most 32 bits."""
+        if not 0 <= number < _WORDS or not 0 <= value < 1 << 8 * _WORD_BYTES:
+            raise ValueRangeError(
+                f"the device of {self._path} has words 0 to {_WORDS - 1} of 32 bits: choose another than "
+                f"word {number} with {value}"
+            )
+        self._native.set(_WORD_BYTES * number, value.to_bytes(_WORD_BYTES, "big"))
 
     def __getitem__(self, place: int | slice) -> int | bytes:
         found = self._native.get()

@@ -56,6 +56,12 @@ def test_a_program_of_all_steps() -> None:
     ]
 
 
+def test_an_exchange_gives_several_words() -> None:
+    words, values = program(f'{SPI} @cycle("exchange", 0, 1, 2, 3, words=2, keep=2)')
+    assert values == 2
+    assert words[-5:-1] == ["2500", "0401", "0502", "1403"]
+
+
 def test_a_program_on_i2c_says_the_address_in_each_direction() -> None:
     words, values = program(
         '@sequence("i2c", address=0x68, period=70 ms) @setup("write", 0x6B, 0) @cycle("read", 0x3B, bytes=2)'
@@ -94,6 +100,8 @@ def test_a_program_on_i2c_says_the_address_in_each_direction() -> None:
         (f'{SPI} {READ} @setup("check", 1, reply=-1)', "a reply is -1"),
         (f'{SPI} {READ} @setup("wait", 3 s)', "a wait is 3e+06 us"),
         (f'{SPI} @cycle("exchange", 1, 2, keep=3)', "`keep` is 3"),
+        (f'{SPI} @cycle("exchange", 1, 2, 3, words=2, keep=2)', "`keep` is 2"),
+        (f'{SPI} @cycle("exchange", 1, 2, words=3)', "`words` is 3"),
         (
             '@sequence("i2c", address=8, period=1 ms) @cycle("exchange", 1, keep=1)',
             "no step of a program on i2c",

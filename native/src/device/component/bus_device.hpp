@@ -2,8 +2,12 @@
 // A device with registers at the pins of a component, for plants: what it reads and writes are bytes in `registers`.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
 #include <variant>
 
 #include "device/clock.hpp"
@@ -19,6 +23,17 @@ class BusDevice {
 
   std::array<std::uint8_t, 256> registers{};
   bool plugged = true;  // else it neither hears nor answers
+  // The shortest times that the device has seen, in clocks. A datasheet says what they must be at least.
+  std::map<std::string, Clock, std::less<>> shortest;
+
+ protected:
+  // What lasts from a clock until now. `never`: it has not begun.
+  void lasted(const char* what, Clock from, Clock now) {
+    if (from != never) {
+      const auto found = shortest.try_emplace(what, now - from).first;
+      found->second = std::min(found->second, now - from);
+    }
+  }
 };
 
 // The lines of a device on SPI: places among the outputs, and of miso among the inputs.
@@ -28,6 +43,8 @@ struct SpiLines {
   std::uint32_t mosi = 2;
   std::uint32_t miso = 0;
   std::uint32_t mode = 0;
+  std::uint32_t word_bits = 0;  // it has no registers, and sends words of so many bits
+  bool numbered = false;        // it is told which word
 };
 
 // The line of a speed controller with DShot: places among the outputs and the inputs. Lengths are clocks.

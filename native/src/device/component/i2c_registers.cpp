@@ -13,7 +13,16 @@ I2cRegisters::I2cRegisters(Pins& pins, std::uint32_t component, const I2cLines& 
 void I2cRegisters::data(bool level, Clock state) {
   sda_ = level;
   if (!scl_) {
+    data_from_ = state;
     return;
+  }
+  lasted(level ? "stop_setup" : "start_setup", scl_from_, state);
+  if (level) {
+    stop_from_ = state;
+  } else {
+    lasted("bus_free", stop_from_, state);
+    stop_from_ = never;
+    start_from_ = state;
   }
   phase_ = level || !plugged ? Phase::idle : Phase::address;
   fresh_ = true;
@@ -23,6 +32,11 @@ void I2cRegisters::data(bool level, Clock state) {
 
 void I2cRegisters::clock(bool level, Clock state) {
   scl_ = level;
+  lasted(level ? "scl_low" : "scl_high", scl_from_, state);
+  lasted(level ? "data_setup" : "start_hold", level ? data_from_ : start_from_, state);
+  data_from_ = never;
+  start_from_ = never;
+  scl_from_ = state;
   if (phase_ == Phase::idle) {
     return;
   }

@@ -30,7 +30,11 @@ class I2cRegisters final : public BusDevice {
   bool scl_ = true;
   bool sda_ = true;  // as the master has it
   bool fresh_ = false;
-  bool refused_ = false;  // the master wants no further byte
+  Clock scl_from_ = never;    // when scl has changed
+  Clock stop_from_ = never;   // the last stop
+  Clock start_from_ = never;  // the last start, until scl falls
+  Clock data_from_ = never;   // the last change of sda while scl is low
+  bool refused_ = false;      // the master wants no further byte
   Phase phase_ = Phase::idle;
   std::uint32_t bits_ = 0;
   std::uint8_t shifted_ = 0;

@@ -9,6 +9,7 @@
 #include "device/component/i2c_registers.hpp"
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
+#include "device/component/spi_words.hpp"
 
 namespace unitylink::device {
 
@@ -96,6 +97,9 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const SpiLin
   }
   if (!drive(component, lines.miso, true, now)) {
     return nullptr;
+  }
+  if (lines.word_bits != 0) {
+    return std::make_unique<SpiWords>(*this, component, lines, now);
   }
   return std::make_unique<SpiRegisters>(*this, component, lines, now);
 }

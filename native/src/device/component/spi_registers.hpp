@@ -5,27 +5,19 @@
 
 #include <cstdint>
 
-#include "device/component/bus_device.hpp"
-#include "device/component/pins.hpp"
+#include "device/component/spi_slave.hpp"
 
 namespace unitylink::device {
 
-class SpiRegisters final : public BusDevice {
+class SpiRegisters final : public SpiSlave {
  public:
-  // The lines must be pins of `component`.
   SpiRegisters(Pins& pins, std::uint32_t component, const SpiLines& lines, Clock now);
 
  private:
-  void select(bool level, Clock state);
-  void clock(bool level, Clock state);
-  void heard();
-  void show(Clock state);
+  void begun() override;
+  void heard(bool bit) override;
+  [[nodiscard]] bool shown() override;
 
-  Pins& pins_;
-  std::uint32_t component_;
-  SpiLines lines_;
-  const OutputPin* mosi_;
-  bool selected_ = false;
   std::uint32_t bits_ = 0;  // of this frame
   std::uint8_t shifted_ = 0;
   std::uint8_t place_ = 0;

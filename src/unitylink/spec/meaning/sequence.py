@@ -38,7 +38,7 @@ _STEPS = {
     "read": '`"read", 0x1D, words=7, bytes=2`',
     "exchange": '`"exchange", 0x06, 0x00, 0x00, keep=2`',
 }
-_OPTIONS = {"check": ("reply",), "read": ("words", "bytes", "order"), "exchange": ("keep",)}
+_OPTIONS = {"check": ("reply",), "read": ("words", "bytes", "order"), "exchange": ("words", "keep")}
 
 
 @dataclass
@@ -63,22 +63,24 @@ class Program:
             parts.insert(0, fine)
         self.words += [_WAIT | part for part in parts]
 
-    def frame(self, sent: list[int], received: list[int], *, keep: int = 0) -> None:
+    def frame(self, sent: list[int], received: list[int], *, keep: int = 0, words: int = 1) -> None:
         """Send bytes, then do `received`, which are words.
 
-        Of the bytes sent the last `keep` replies are kept.
+        Of the bytes sent the last replies are kept: `words` times `keep` of them.
         """
-        lanes = [_KEEP | lane * _LANE for lane in reversed(range(keep))]
-        words = [byte | flags for byte, flags in zip(sent, [0] * (len(sent) - keep) + lanes, strict=True)]
+        lanes = [_KEEP | lane * _LANE for lane in reversed(range(keep))] * words
+        frame = [
+            byte | flags for byte, flags in zip(sent, [0] * (len(sent) - len(lanes)) + lanes, strict=True)
+        ]
         if self.bus == "i2c":
-            words = [_FIRST | self.address << 1, *words] if words else []
+            frame = [_FIRST | self.address << 1, *frame] if frame else []
             if received:
-                words.append(_FIRST | self.address << 1 | 1)
-        words += received
-        words[0] |= _FIRST
-        words[-1] |= _LAST
-        self.words += words
-        self.values += bool(keep)
+                frame.append(_FIRST | self.address << 1 | 1)
+        frame += received
+        frame[0] |= _FIRST
+        frame[-1] |= _LAST
+        self.words += frame
+        self.values += words if keep else 0
 
     def text(self) -> str:
         return "".join(f"{word:04X}" for word in self.words)
@@ -173,8 +175,10 @@ class _Assembler:
             reply = self._number(options["reply"], "a reply", 0, 255)
             program.frame(sent, [_CHECK | _RECEIVE | reply])
         elif step == "exchange":
-            keep = self._option(options, "keep", 0, min(4, len(sent)), 0)
-            program.frame(sent, [], keep=keep)
+            words = self._option(options, "words", 1, max(1, len(sent)), 1)
+            most = min(4, len(sent) // words)
+            keep = self._option(options, "keep", 0, most, 1 if "words" in options else 0)
+            program.frame(sent, [], keep=keep, words=words)
         else:
             words = self._option(options, "words", 1, MOST_WORDS, 1)
             size = self._option(options, "bytes", 1, 4, 1)
