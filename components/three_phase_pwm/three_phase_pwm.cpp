@@ -35,8 +35,16 @@ class ThreePhasePwm final : public Component {
     return low >= from_[number] && low < period_.turn() - from_[number];
   }
 
+  // The duty of a phase is that of its wire, as long as it is valid.
+  [[nodiscard]] std::uint32_t duty_now(std::uint32_t number) const noexcept {
+    return wires_[number].valid ? wires_[number].value : write_word(duty + number);
+  }
+  [[nodiscard]] std::uint32_t valid() const noexcept {
+    return (wires_[0].valid ? 1u : 0u) | (wires_[1].valid ? 2u : 0u) | (wires_[2].valid ? 4u : 0u);
+  }
+
   void load(std::uint32_t number) noexcept {
-    const std::uint32_t level = ((write_word(duty + number) ^ 1u << (duty_bits_ - 1)) & ((1u << duty_bits_) - 1u)) >> 1;
+    const std::uint32_t level = ((duty_now(number) ^ 1u << (duty_bits_ - 1)) & ((1u << duty_bits_) - 1u)) >> 1;
     const std::uint64_t below = ((std::uint64_t{1} << (duty_bits_ - 1)) - level) / 2;  // counts of the counter
     from_[number] = below << (period_.bits() + 1 - duty_bits_);
   }
@@ -61,16 +69,25 @@ class ThreePhasePwm final : public Component {
       }
     }
     const Period::Phase then = period_.step(edge, now, was_running);
-    gates_.step(edge, (asked & 1u) != 0, write_word(dead), (1u << phases) - 1u, sides);
+    const bool enable = (asked & 1u) != 0;
+    const bool ends = (valid_before_ & ~valid()) != 0;
+    const bool drives = enable && !ends && (!lost_ || !enabled_before_);
+    gates_.step(edge, drives, write_word(dead), (1u << phases) - 1u, sides);
+    const bool wakes = enabled_before_ != enable || valid_before_ != valid();
+    if (enable) {
+      lost_ = ends || (lost_ && enabled_before_);
+    }
+    enabled_before_ = enable;
+    valid_before_ = valid();
     tell(edge);
-    plan(edge, then, sides != sides_);
+    plan(edge, then, wakes || sides != sides_);
   }
 
   void tell(Clock edge) {
     if (gates_.trip()) {
       event(tripped, edge);
     }
-    word(status, gates_.status(), edge);
+    word(status, gates_.status() | (lost_ ? 8u : 0u), edge);
     word(dead, gates_.dead_used(), edge);
     for (std::uint32_t number = 0; number < phases; ++number) {
       output(number, gates_.high(number), edge);
@@ -98,14 +115,22 @@ class ThreePhasePwm final : public Component {
   }
 
   void stored(std::uint32_t address, Clock edge) override {
-    std::uint32_t value = write_word(address);
     if (address == control) {
-      word(address, value & 7u, edge);
+      word(address, write_word(control) & 7u, edge);
     } else if (address >= duty) {
-      const std::uint32_t sign = 1u << (duty_bits_ - 1);
-      value &= sign * 2u - 1u;
-      word(address, ((value ^ sign) - sign) & data_mask_, edge);
+      show_duty(address - duty, edge);
     }
+  }
+
+  void show_duty(std::uint32_t number, Clock edge) noexcept {
+    const std::uint32_t sign = 1u << (duty_bits_ - 1);
+    word(duty + number, (((duty_now(number) & (sign * 2u - 1u)) ^ sign) - sign) & data_mask_, edge);
+  }
+
+  void wired(std::uint32_t number, const WireValue& value, Clock edge) override {
+    wires_[number] = value;
+    show_duty(number, edge);
+    next_ = std::min(next_, edge);
   }
 
   void driven(std::uint32_t /*fault*/, bool level, Clock /*edge*/) override { gates_.drive(level); }
@@ -115,6 +140,10 @@ class ThreePhasePwm final : public Component {
   Period period_;
   BridgeGates gates_;
   std::array<std::uint64_t, phases> from_{};
+  std::array<WireValue, phases> wires_{};  // the duties from another component
+  std::uint32_t valid_before_ = 0;
+  bool enabled_before_ = false;
+  bool lost_ = false;
   std::uint32_t sides_ = 0;
   bool half_ = false;
   Clock next_ = 0;

@@ -3,7 +3,7 @@
 -- Three-phase, centre-aligned PWM on the Wishbone bus, with dead time and a fault input: the inverter of a motor.
 --
 --   +0      control: bit 0 enable, bit 1 sample at the start, bit 2 sample in the middle of each period
---   +1      status: bit 0 running, bit 1 tripped, bit 2 the fault input is active now          (read only)
+--   +1      status: bit 0 running, bit 1 tripped, bit 2 the fault input is active now, bit 3 lost   (read only)
 --   +2      dead time in ns, 0 to 4095; a time below dead_minimum_ns becomes dead_minimum_ns
 --   +3 + n  duty of phase n, signed: the largest number is always high, the smallest always low, 0 is half
 --
@@ -16,6 +16,9 @@
 -- New duties of all phases take effect together, at the start of a period. So each pulse is a whole old one or a whole
 -- new one. Dead time and fault: see bridge_gates. Bits that a register does not have read as zero and are not stored.
 --
+-- Wires     While duty_n_wire is valid, duty n is that of the wire, and a read of +3 + n gives it. A wire that ends
+--           while enable is 1 switches all gates off within 2 clocks. They stay off until enable rises; `lost` is 1.
+--
 -- Events    sample: at the start and in the middle of a period, as `control` says. tripped: a fault cuts.
 -- Latency   2 clocks per access (register_slave). From the write of control to the gates 3 clocks, and the dead time.
 --           From the counter to the gates 2 clocks.
@@ -27,6 +30,7 @@ library ieee;
   use ieee.numeric_std.all;
   use work.rate_pkg.all;
   use work.register_pkg.all;
+  use work.wire_pkg.all;
   use work.wishbone_pkg.all;
 
 entity three_phase_pwm is
@@ -46,6 +50,10 @@ entity three_phase_pwm is
     sample       : out std_ulogic;
     tripped      : out std_ulogic;
 
+    duty_0_wire  : in  wire_t := no_wire; -- the duties, from another component
+    duty_1_wire  : in  wire_t := no_wire;
+    duty_2_wire  : in  wire_t := no_wire;
+
     fault        : in  std_ulogic; -- asynchronous
     high         : out std_ulogic_vector(2 downto 0);
     low          : out std_ulogic_vector(2 downto 0)
@@ -59,11 +67,19 @@ architecture rtl of three_phase_pwm is
   subtype duty_t is unsigned(duty_bits - 1 downto 0);
   subtype level_t is unsigned(duty_bits - 2 downto 0);
   type levels_t is array (0 to 2) of level_t;
+  type wires_t is array (0 to 2) of wire_t;
 
   signal read_words  : word_vector_t(0 to 5);
   signal write_words : word_vector_t(0 to 5);
 
-  signal enable, running, latched, fault_seen : std_ulogic;
+  signal wires      : wires_t;
+  signal duties     : word_vector_t(0 to 2);         -- of the registers, or of the wires
+  signal valid      : std_ulogic_vector(2 downto 0); -- of the wires
+  signal valid_before : std_ulogic_vector(2 downto 0);
+  signal ends       : std_ulogic;                    -- a wire, now
+  signal lost       : std_ulogic := '0';             -- a wire has ended since the last start
+
+  signal enable, enabled_before, drives, running, latched, fault_seen : std_ulogic;
   signal dead_used : std_ulogic_vector(11 downto 0);
   signal phase     : unsigned(bits downto 0); -- of the period; its highest bit is the tick of rate_pkg
   signal second    : std_ulogic;              -- the second half of the period
@@ -101,19 +117,29 @@ begin
 
   read_words <= (
     0 => extended(write_words(0)(2 downto 0)),
-    1 => (0 => running, 1 => latched, 2 => fault_seen, others => '0'),
+    1 => (0 => running, 1 => latched, 2 => fault_seen, 3 => lost, others => '0'),
     2 => extended(dead_used),
-    3 => signed_word(write_words(3)),
-    4 => signed_word(write_words(4)),
-    5 => signed_word(write_words(5)));
+    3 => duties(0),
+    4 => duties(1),
+    5 => duties(2));
+
+  wires <= (duty_0_wire, duty_1_wire, duty_2_wire);
+
+  each_phase : for number in duties'range generate
+    valid(number)  <= is_valid(wires(number));
+    duties(number) <= signed_word(std_ulogic_vector(value_of(wires(number)))) when valid(number) = '1' else
+                      signed_word(write_words(3 + number));
+  end generate;
 
   enable <= write_words(0)(0);
+  ends   <= or (valid_before and not valid);
+  drives <= enable and not ends and (not lost or not enabled_before);
 
   gates : entity work.bridge_gates
     generic map (
       clock_hz => clock_hz, legs => 3, dead_minimum_ns => dead_minimum_ns, fault_level => fault_level)
     port map (
-      clock => clock, reset => reset, enable => enable, dead => write_words(2)(11 downto 0), dead_used => dead_used,
+      clock => clock, reset => reset, enable => drives, dead => write_words(2)(11 downto 0), dead_used => dead_used,
       driven => "111", sides => sides, running => running, tripped => latched, trip => tripped,
       fault_seen => fault_seen, fault => fault, high => high, low => low);
 
@@ -135,14 +161,21 @@ begin
 
       for number in levels'range loop
         if running = '0' or phase(bits) = '1' then
-          levels(number) <= level_of(write_words(3 + number));
+          levels(number) <= level_of(duties(number));
         end if;
         sum           := ('0' & inverse) + levels(number);
         sides(number) <= sum(sum'high);
       end loop;
 
+      enabled_before <= enable;
+      valid_before   <= valid;
+      if enable = '1' then
+        lost <= ends or (lost and enabled_before);
+      end if;
+
       if reset = '1' then
         sample <= '0';
+        lost   <= '0';
       end if;
     end if;
   end process;

@@ -1,11 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the gates of three_phase_pwm. The bus may do anything at any clock, and so may the fault input. A clock
--- is 100 ns here, a period is 16 clocks, and the least dead time is 250 ns.
+-- Properties of the gates of three_phase_pwm. The bus may do anything at any clock, and so may the fault input and the
+-- wires. A clock is 100 ns here, a period is 16 clocks, and the least dead time is 250 ns.
 
 library ieee;
   use ieee.std_logic_1164.all;
 
+use work.wire_pkg.all;
 use work.wishbone_pkg.all;
 
 entity three_phase_pwm_formal is
@@ -14,6 +15,8 @@ entity three_phase_pwm_formal is
     reset   : in std_ulogic;
     m2s     : in wishbone_m2s_t;
     fault   : in std_ulogic;
+    valid   : in std_ulogic_vector(2 downto 0); -- of the wires
+    value   : in std_ulogic_vector(5 downto 0); -- of all wires
     watched : in natural range 0 to 2; -- the phase that is watched
     enable  : in std_ulogic            -- shows the bit of the design
   );
@@ -23,6 +26,7 @@ architecture properties of three_phase_pwm_formal is
 
   constant dead_clocks : positive := 3; -- the least dead time, in whole clocks
 
+  subtype high_bits_t is std_ulogic_vector(wire_bits - 2 downto 6);
   subtype phases_t is std_ulogic_vector(2 downto 0);
 
   signal s2m             : wishbone_s2m_t;
@@ -35,6 +39,9 @@ architecture properties of three_phase_pwm_formal is
   signal off_1, off_2    : std_ulogic := '0';                                 -- enable was 0 one and two clocks ago
   signal fault_1, fault_2 : std_ulogic := '0';
   signal locked, locked_1 : std_ulogic := '0';                                -- a fault came, and nothing has started
+  signal valid_1         : phases_t := "000";                                 -- of the wires, a clock ago
+  signal ends            : std_ulogic;                                        -- a wire, while enable is 1
+  signal lost, lost_1    : std_ulogic := '0';                                 -- one ended, and enable has not risen
 
 begin
 
@@ -45,11 +52,15 @@ begin
       clock_hz => 10_000_000, frequency_hz => 625_000, duty_bits => 6, dead_minimum_ns => 250, data_width => 16)
     port map (
       clock => clk, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, sample => sample, tripped => tripped,
+      duty_0_wire => valid(0) & high_bits_t'(others => '0') & value,
+      duty_1_wire => valid(1) & high_bits_t'(others => '0') & value,
+      duty_2_wire => valid(2) & high_bits_t'(others => '0') & value,
       fault => fault, high => highs, low => lows);
 
   high <= highs(watched);
   low  <= lows(watched);
   none <= nor (highs & lows);
+  ends <= enable and or (valid_1 and not valid);
 
   watch : process (clk) is
   begin
@@ -61,6 +72,9 @@ begin
       fault_2  <= fault_1;
       locked   <= fault or (locked and not (enable and off_1 and not fault_1 and not fault_2));
       locked_1 <= locked;
+      valid_1  <= valid;
+      lost     <= ends or (lost and not (enable and off_1));
+      lost_1   <= lost;
 
       high_off <= 0;
       if high = '0' then
@@ -75,6 +89,7 @@ begin
         off_1    <= '0';
         fault_1  <= '0';
         locked   <= '1';
+        lost     <= '0';
         high_off <= dead_clocks;
         low_off  <= dead_clocks;
       end if;
@@ -102,11 +117,20 @@ begin
   -- They stay off, until enable rises without a fault. The same holds after a reset.
   stays_off : assert always begun = '1' and locked = '1' and locked_1 = '1' -> none = '1';
 
+  -- Two clocks after a wire has ended all gates are off.
+  end_cuts : assert always begun = '1' and reset = '0' and ends = '1' -> next[2] (none = '1');
+
+  -- They stay off, until enable rises.
+  stays_cut : assert always begun = '1' and lost = '1' and lost_1 = '1' -> none = '1';
+
   -- Two clocks after enable has fallen all gates are off.
   disable_cuts : assert always begun = '1' and off_1 = '1' and off_2 = '1' -> none = '1';
 
   -- A phase goes from low to high, and back.
   high_seen : cover {begun = '1' and high = '1' and low_off = dead_clocks and fault_1 = '0'};
+
+  -- A wire ends while a gate is on.
+  end_seen : cover {begun = '1' and ends = '1' and none = '0'; begun = '1'; none = '1'};
 
   -- A fault comes while a gate is on.
   fault_seen : cover {begun = '1' and fault = '1' and none = '0'; begun = '1'; none = '1'};

@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- three_phase_pwm: pulses and dead times are measured at the gates. Duties change together. A fault at any clock cuts
--- within two clocks, and only a new rise of enable starts again.
+-- within two clocks, and so does a wire that ends. Only a new rise of enable starts again.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.bench_pkg.all;
+  use work.wire_pkg.all;
   use work.wishbone_bench_pkg.all;
   use work.wishbone_pkg.all;
 
@@ -41,6 +42,7 @@ architecture test of three_phase_pwm_tb is
   signal broken          : std_ulogic := '0'; -- there is a fault
   signal sample, tripped : std_ulogic;
   signal high, low       : std_ulogic_vector(2 downto 0);
+  signal wires           : wire_vector_t(0 to 2) := (others => no_wire);
 
   type numbers_t is array (0 to 2) of integer;
   signal high_clocks, low_clocks, edges : numbers_t := (others => 0); -- since `clear`
@@ -67,7 +69,8 @@ begin
       fault_level => fault_level)
     port map (
       clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, sample => sample, tripped => tripped,
-      fault => fault, high => high, low => low);
+      duty_0_wire => wires(0), duty_1_wire => wires(1), duty_2_wire => wires(2), fault => fault, high => high,
+      low => low);
 
   monitor : entity work.wishbone_monitor
     port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
@@ -304,6 +307,37 @@ begin
       check(edges(1) > 0, "nothing runs after the fault");
       check(trips >= index, "no event of the fault");
     end loop;
+
+    -- Wires bring the duties. One that ends cuts, and only a new rise of enable starts again.
+    for index in 1 to 12 loop
+      wires <= (wire_of(to_signed(duty_most, 32)), wire_of(to_signed(-duty_most - 1, 32)), wire_of(to_signed(0, 32)));
+      bus_write(clock, m2s, s2m, 0, off);
+      bus_write(clock, m2s, s2m, 0, run);
+      bus_expect(clock, m2s, s2m, 3, duty_most);
+      bus_expect(clock, m2s, s2m, 5, 0);
+      wait_clocks(clock, 2 * period);
+      bus_expect(clock, m2s, s2m, 1, 1);
+      start_measuring;
+      wait_clocks(clock, 4 * period);
+      check(edges(0) = 0 and edges(1) = 0 and edges(2) > 0, "the gates follow the wires");
+      check(high(0) = '1' and low(1) = '1', "always high, and always low");
+      wait_clocks(clock, random.integer_between(1, 2 * period));
+      wires(index mod 3)(wire_bits - 1) <= '0';
+      tick(clock, 2);
+      check(high = "000" and low = "000", "a gate is on two clocks after a wire has ended");
+      bus_expect(clock, m2s, s2m, 1, 8);
+      wires(index mod 3)(wire_bits - 1) <= '1';
+      bus_write(clock, m2s, s2m, 0, run);
+      expect_off(2 * period, "a gate is on without a new rise of enable");
+      bus_write(clock, m2s, s2m, 0, off);
+      wires(index mod 3)(wire_bits - 1) <= '0'; -- without enable that is nothing
+      wait_clocks(clock, 3);
+      bus_expect(clock, m2s, s2m, 1, 8);
+    end loop;
+    wires <= (others => no_wire);
+    bus_write(clock, m2s, s2m, 0, run);
+    wait_clocks(clock, period);
+    bus_expect(clock, m2s, s2m, 1, 1);
 
     -- Off, the errors of the bus, and a reset.
     bus_write(clock, m2s, s2m, 0, off);

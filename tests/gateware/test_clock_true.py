@@ -12,6 +12,7 @@ from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.clock_true_faults import FAULTS
 from gateware.dshot_line import replies_of_dshot
+from gateware.random_wires import random_wires
 from gateware.serial_line import serial_line
 from gateware.servo_line import replies_of_servos
 from gateware.simulators import Ghdl
@@ -67,6 +68,16 @@ PID = {
     9: (0, 1 << 4, 0xFFFFFF),
     10: (3, 100, 4095, 1 << 20),
     11: (0, 0, 0, 0xFFFFFF),
+}
+FOC_WIRES = "from.position, from.position, from.position, bridge.duty[0], bridge.duty[1], bridge.duty[2]"
+FOC_START = {4: 1 << 12, 5: 1 << 14, 8: 1, 0: 1}
+FOC = {
+    0: (*[1] * 5, 3, 0, 0),
+    2: (0, 300, -9000 & 0xFFFFFFFF, 0x8000),
+    3: (0, 700, -20000 & 0xFFFFFFFF, 0x7FFF),
+    4: (0, 1 << 10, 1 << 14, 0x1FFFF),
+    5: (0, 1 << 10, 1 << 14, 0x1FFFF),
+    6: (75_674, 75_674, 0, 9000, 0x1FFFF),
 }
 PROFILE = {
     0: (*[1] * 9, 0),
@@ -155,12 +166,23 @@ CASES = {
         ),
     ),
     "three_phase_pwm": (
-        Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", THREE_PHASE, pause=300, quiet=3000),
+        Case(
+            "frequency_hz=40000, duty_bits=6, dead_minimum_ns=900",
+            THREE_PHASE,
+            pause=300,
+            outside=random_wires(3, 900, pins=1),
+        ),
         Case(
             "frequency_hz=3000, duty_bits=9, dead_minimum_ns=0, fault_level=0",
             THREE_PHASE,
             pause=90,
-            quiet=9000,
+            outside=random_wires(3, 4000, pins=1, high=0.9),
+        ),
+        Case(
+            "frequency_hz=9000, duty_bits=7, dead_minimum_ns=900",
+            THREE_PHASE,
+            pause=300,
+            outside=random_wires(3, 900, pins=1),
         ),
     ),
     "estop": (
@@ -264,6 +286,24 @@ CASES = {
             quiet=9000,
         ),
     ),
+    "foc": (
+        Case(
+            f"{FOC_WIRES}, pole_pairs=7, angle_bits=14, loop_hz=5900",
+            FOC,
+            pause=300,
+            outside=random_wires(4, 400),
+            first=FOC_START,
+            clocks=60_000,
+        ),
+        Case(
+            f"{FOC_WIRES}, pole_pairs=63, angle_bits=4, loop_hz=3000, current_shift=0",
+            FOC,
+            pause=90,
+            outside=random_wires(4, 900, lost=0.1),
+            first=FOC_START,
+            clocks=40_000,
+        ),
+    ),
     "motion_profile": (
         Case(
             "feedback=from.position, output=other.target, loop_hz=2000000",
@@ -346,7 +386,8 @@ CASES = {
 # Components to which wires lead.
 OTHERS = (
     "from: quadrature_encoder(); to: h_bridge(); second: h_bridge(); "
-    "other: pid(feedback=from.position, output=second.duty, loop_hz=380000);"
+    "other: pid(feedback=from.position, output=second.duty, loop_hz=380000); "
+    "bridge: three_phase_pwm(); "
 )
 
 

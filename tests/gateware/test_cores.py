@@ -126,6 +126,15 @@ def test_three_phase_pwm(ghdl: Any, clock_hz: int, fault_level: int) -> None:
     ghdl.run("three_phase_pwm_tb", clock_hz=clock_hz, fault_level=fault_level)
 
 
+@pytest.mark.parametrize(("pole_pairs", "seed"), [(7, 1), pytest.param(1, 2, marks=pytest.mark.long)])
+def test_foc(ghdl: Any, pole_pairs: int, seed: int) -> None:
+    ghdl.run("foc_tb", pole_pairs=pole_pairs, seed=seed)
+
+
+def test_a_period_that_is_too_short_for_the_sums_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("foc_tb", "a period is at least 384 clocks", period=383)
+
+
 @pytest.mark.parametrize("closed_level", [0, 1])
 def test_estop(ghdl: Any, closed_level: int) -> None:
     ghdl.run("estop_tb", closed_level=closed_level)

@@ -135,15 +135,19 @@ def _event(picture: Picture, y: float, track: Track, x: Place) -> None:
 
 def _value(picture: Picture, y: float, track: Track, x: Place) -> None:
     """Draw a number as a line from its least to its largest value, which are written at its left."""
-    least, most = min(v for _, v in track.points), max(v for _, v in track.points)
+    known = [value for _, value in track.points if value is not None]
+    least, most = min(known, default=0.0), max(known, default=0.0)
     picture.text(NAMES, y - VALUE_ROW / 2 + 10, track.name, style=SMALL)
-    points, before = [], track.points[0][1]
     reach = VALUE_ROW - 14
+    run: list[tuple[float, float]] = []
     for at, value in track.points:
-        share = [(one - least) / ((most - least) or 1) * reach for one in (before, value)]
-        points += [(x(at), y - share[0]), (x(at), y - share[1])]
-        before = value
-    picture.path(points, INK)
+        if value is None:
+            picture.path([*run, *((x(at), height) for _, height in run[-1:])], INK)
+            run = []
+            continue
+        height = y - (value - least) / ((most - least) or 1) * reach
+        run += [(x(at), run[-1][1] if run else height), (x(at), height)]
+    picture.path(run, INK)
     unit = f" {track.unit}" if track.unit else ""
     for height, value in ((0, least), (reach - 4, most)) if most > least else ((0, least),):
         text = f"{format_value(round(value, 4))}{unit}"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from textwrap import dedent
 
 from component_picture import component_picture
 from made_files import parser_of, write_or_compare
@@ -33,7 +34,7 @@ def section(folder: Path) -> str:
     name = folder.name
     page = (folder / "README.md").read_text("utf-8")
     about = re.match(rf"# {name}\n\n(.*?)\n\n", page, re.S)
-    line = re.search(rf"^ *\w.*: {name}\(.*\);$", (folder / "example.ul").read_text("utf-8"), re.M)
+    line = re.search(rf"^ *\w.*: {name}\([^;]*\);$", (folder / "example.ul").read_text("utf-8"), re.M)
     if about is None or line is None:
         raise SystemExit(
             f"{folder}: README.md begins with no sentence, or example.ul has no line with {name}"
@@ -43,7 +44,7 @@ def section(folder: Path) -> str:
     )
     return (
         f"### [{name}](../components/{name}/README.md)\n\n{about[1]}\n\n"
-        f"```ul\n{line[0].strip()}\n```\n\n{shown}\n\n"
+        f"```ul\n{dedent(line[0])}\n```\n\n{shown}\n\n"
     )
 
 

@@ -9,7 +9,7 @@ that is compared with the VHDL at every clock. A component without a model is pl
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,19 +28,35 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-KEYS = {"title", "spec", "clock_hz", "from_us", "to_us", "write", "drive", "step_us", "lines", "value"}
+KEYS = {
+    "title",
+    "spec",
+    "clock_hz",
+    "from_us",
+    "to_us",
+    "write",
+    "drive",
+    "wires",
+    "step_us",
+    "lines",
+    "value",
+}
 DATA_BITS = 32
+WIRE_BITS = 33  # of wire_pkg.vhd
 ACCESS_CLOCKS = 4  # from one access to the next
 SAMPLES = 120  # of a value, over the width of a picture
 
 
 @dataclass(frozen=True)
 class Track:
-    """A line of a picture: `points` are (time in us, level), of which the first is before the window."""
+    """A line of a picture: `points` are (time in us, level), of which the first is before the window.
+
+    The level None is a gap: a wire that is not valid.
+    """
 
     name: str
     kind: str  # "in", "out", "event", "value"
-    points: tuple[tuple[float, float], ...]
+    points: tuple[tuple[float, float | None], ...]
     unit: str = ""
 
 
@@ -68,6 +84,8 @@ class Scene:
         self.one, self.items = _placed(folder, str(told.get("spec", "")), self.clock_hz)
         self.inputs = dict(_pins(self.one, "in"))
         self.outputs = dict(_pins(self.one, "out"))
+        self.wires_in = _wires(self.one, "in", len(self.inputs))
+        self.wires_out = _wires(self.one, "out", len(self.outputs))
 
     def stimuli(self) -> tuple[list[Stimulus], list[tuple[float, str]], dict[int, float]]:
         """Return what is played, what is written as text, and the times of the reads of `value`."""
@@ -100,6 +118,7 @@ class Scene:
                     reads[at] = at * 1e6 / self.clock_hz
         for port, points in self._driven().items():
             found += [(self._clock(us), "p", self.inputs[port], int(level)) for us, level in points]
+        found += self._wired()
         order = {"p": 0, "r": 1, "w": 1}
         return sorted(found, key=lambda one: (one[0], order[one[1]])), written, reads
 
@@ -124,6 +143,8 @@ class Scene:
                 tracks.append(Track(name, "in", ((-1.0, 0), *driven.get(name, ()))))
             elif name in self.outputs:
                 tracks.append(self._seen(name, "out", "o", self.outputs[name], seen))
+            elif name in self.wires_out:
+                tracks.append(self._wire_seen(name, seen))
             elif name in self.one.events:
                 tracks.append(self._seen(name, "event", "e", self.one.events.index(name), seen))
             else:
@@ -162,6 +183,35 @@ class Scene:
         points = [(-1.0, 0.0)]
         points += [(s[0] * 1e6 / self.clock_hz, float(s[3])) for s in seen if s[1] == what and s[2] == number]
         return Track(name, kind, tuple(points))
+
+    def _wire_seen(self, name: str, seen: list[Stimulus]) -> Track:
+        """Return the values of an output wire. Its bits come one by one."""
+        first, bits = self.wires_out[name], 0
+        points: dict[int, float | None] = {}
+        for clock, what, number, level in seen:
+            if what == "o" and first <= number < first + WIRE_BITS:
+                bits = bits & ~(1 << number - first) | level << number - first
+                value = (bits & 0xFFFFFFFF ^ 0x80000000) - 0x80000000
+                points[clock] = float(value) if bits >> WIRE_BITS - 1 else None
+        times = ((clock * 1e6 / self.clock_hz, value) for clock, value in points.items())
+        return Track(name, "value", ((-1.0, None), *times, (self.to_us, [None, *points.values()][-1])))
+
+    def _wired(self) -> Iterator[Stimulus]:
+        """Yield the bits of the input wires. `wires` has points (time in us, counts), with straight lines
+        between them, of which each `step_us` is a value. A point without counts ends the wire.
+        """
+        for name, points in self.told.get("wires", {}).items():
+            if name not in self.wires_in or any(len(one) not in (1, 2) for one in points):
+                raise SystemExit(f"{self.where}: {name} is no input wire with points [us, counts]")
+            before, step_us = 0, float(self._get("step_us"))
+            for place in range(int(self.to_us / step_us)):
+                value = _on_lines(points, place * step_us)
+                bits = 0 if value is None else 1 << WIRE_BITS - 1 | round(value) & 0xFFFFFFFF
+                for bit in range(WIRE_BITS):
+                    if (bits ^ before) >> bit & 1:
+                        pin = self.wires_in[name] + bit
+                        yield self._clock(place * step_us), "p", pin, bits >> bit & 1
+                before = bits
 
     def _driven(self) -> dict[str, list[tuple[float, float]]]:
         """Return the edges of the inputs. `drive` has a figure for each step."""
@@ -231,6 +281,23 @@ def _placed(
         if path.startswith(f"{one.path}.")
     }
     return one, items
+
+
+def _wires(one: ComponentConfiguration, direction: str, pins: int) -> dict[str, int]:
+    """Return the number of the lowest bit of each wire. Wires are pins behind the others."""
+    names = [name for name, way in one.wires if way == direction]
+    return {name: pins + place * WIRE_BITS for place, name in enumerate(names)}
+
+
+def _on_lines(points: Sequence[Sequence[float]], at: float) -> float | None:
+    """Return the value at a time on straight lines between points. None: none there, or an end."""
+    passed = [one for one in points if one[0] <= at]
+    if not passed or len(passed[-1]) == 1:
+        return None
+    begin, end = passed[-1], points[len(passed)] if len(passed) < len(points) else ()
+    if len(end) < 2:
+        return begin[1]
+    return begin[1] + (end[1] - begin[1]) * (at - begin[0]) / (end[0] - begin[0])
 
 
 def _fields(value: dict[str, Any]) -> str:

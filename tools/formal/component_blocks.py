@@ -192,6 +192,8 @@ COMPONENT_BLOCKS = (
             Mutant("bridge_gates.vhd", "not (now_ns + unsigned(dead_used));", "not now_ns;"),
             Mutant("bridge_gates.vhd", "elsif enabled_before = '0' then", "else"),
             Mutant("bridge_gates.vhd", " and over(over'high) = '0' then", " then"),
+            Mutant("three_phase_pwm.vhd", "enable and not ends and", "enable and"),
+            Mutant("three_phase_pwm.vhd", "(not lost or not enabled_before);", "not ends;"),
         ),
     ),
     Block(

@@ -272,7 +272,7 @@ ROWS = (
     Row(
         "three_phase_pwm",
         "a component: three phases with dead time and fault input, at 20 kHz",
-        top="three_phase_pwm",
+        top="narrow_three_phase_pwm",
         cells_most=410,
         mhz_least=50.0,
     ),
@@ -319,4 +319,5 @@ ROWS = (
     Row("gpio", "a component: eight pins", top="gpio", seeds=SEEDS[:1]),
     Row("i2c_device", "a component: sets a device on I2C up and reads it, by a table", top="i2c_device"),
     Row("pid", "a component: a control loop between wires", top="narrow_pid"),
+    Row("foc", "a component: the current loop of a brushless motor", top="narrow_foc", mhz_least=50.0),
 )

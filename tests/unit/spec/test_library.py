@@ -114,9 +114,11 @@ GENERIC = re.compile(r"^ +(\w+) +:", re.MULTILINE)
 def test_library_agrees_with_the_vhdl(name: str) -> None:
     ends = {
         "pid": "shaft.position, motor.duty",
+        "foc": "shaft.position, shaft.position, shaft.position, bridge.duty[0], bridge.duty[1], "
+        "bridge.duty[2], pole_pairs=7, angle_bits=14",
         "motion_profile": "shaft.position, loop.target, loop.target_velocity, loop.target_acceleration",
     }.get(name, "")
-    others = "motor: h_bridge(); shaft: quadrature_encoder(); "
+    others = "motor: h_bridge(); bridge: three_phase_pwm(); shaft: quadrature_encoder(); "
     if name == "motion_profile":
         others += "loop: pid(shaft.position, motor.duty);"
     spec = clean(f"public a() {{ {others} part: {name}({ends}); }}")

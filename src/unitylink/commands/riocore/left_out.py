@@ -20,7 +20,7 @@ KINDS = {
     ),
     **dict.fromkeys(("hy_vfd", "spacenav", "mqtt", "camjog", "camera"), "it is no part of the FPGA"),
     "blink": "no component; let your program change a pin",
-    "bldc": "no component closes a current loop; three_phase_pwm is the inverter alone",
+    "bldc": "foc closes a current loop; write it with its wires and numbers into the spec",
     "pdmout": "no component makes pulse density; pwm may do",
     "stepper": "stepgen gives step and direction, not the phases of a motor",
     "breakout": "its own wiring is not in this file; name its pins with --pin",
