@@ -43,7 +43,8 @@ function Page() {
           <Tree />
           <Groups />
           <p class="quiet who">
-            {robot.user} <button type="button" onClick={logOut}>log out</button>
+            {robot.user} {robot.has_status && <a href="/status">status</a>}{" "}
+            <button type="button" onClick={logOut}>log out</button>
           </p>
         </section>
         <section class="drawn" aria-label="charts">

@@ -55,6 +55,7 @@ export interface Hello {
   may_arm: boolean;
   may_break: boolean;
   may_see_recordings: boolean;
+  has_status: boolean;
   has_body: boolean;
   sees: number[];
   rates: number[];

@@ -8,6 +8,7 @@ import re
 import sys
 import tempfile
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -283,6 +284,7 @@ def _serve_page(
     (robot,) = server.robots.values()
     link, gate, lock = robot.share()
     reader = pages.enter_context(connect(url, reconnect=True))
+    extras = replace(extras, report=server.report)
     return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place, extras=extras)).url
 
 

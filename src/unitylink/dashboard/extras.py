@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .shelf import Shelf
 
@@ -14,8 +15,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extras:
-    """Where recordings are kept, the text of the spec for them, and the shape of the robot, if known."""
+    """Where recordings are kept, the text of the spec for them, and the shape of the robot, if known.
+
+    `report` gives the state of the server that the page belongs to, if there is one.
+    """
 
     shelf: Shelf = field(default_factory=Shelf)
     text: str = ""
     body: Body | None = None
+    report: Callable[[], Mapping[str, Any]] | None = None

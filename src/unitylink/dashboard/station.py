@@ -60,6 +60,7 @@ class Station:
         self, link: Link, root: Instance, robot: Node, desk: Desk, feed: Feed, *, spec: Spec, extras: Extras
     ) -> None:
         self.link, self.robot, self.desk, self.feed, self.body = link, robot, desk, feed, extras.body
+        self.report = extras.report
         self.frames = Frames(feed)
         self.description = describe(root, robot)
         values = [track.value for track in feed.tracks]
@@ -180,6 +181,7 @@ class Station:
             "may_arm": rights.allow("arm"),
             "may_break": rights.allow("admin"),
             "may_see_recordings": rights.allow("read"),
+            "has_status": self.report is not None,
             "has_body": self.body is not None,
             "sees": [number for number, seen in enumerate(viewer.sees) if seen],
             "rates": [track.rate_hz for track in self.feed.tracks],

@@ -9,8 +9,9 @@ import time
 from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -21,6 +22,7 @@ from .desk import now
 from .downloads import NO_SESSION, Downloads
 from .page_files import page_files
 from .sessions import IDLE_S, Session, Sessions
+from .status_page import status_page
 from .viewer import Viewer
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ class WebApp:
                 Route("/login", self._log_in, methods=["POST"]),
                 Route("/logout", self._log_out, methods=["POST"]),
                 Route("/stop", self._stop, methods=["POST"]),
+                Route("/status", self._status),
                 *Downloads(self.station, self._session).routes(),
                 WebSocketRoute("/socket", self._socket),
             ]
@@ -61,6 +64,15 @@ class WebApp:
 
     async def _file(self, request: Request) -> Response:
         return page_files()[request.url.path.lstrip("/") or "index.html"].response(request)
+
+    async def _status(self, request: Request) -> Response:
+        session = self._session(request)
+        if session is None:
+            return PlainTextResponse(NO_SESSION, 401)
+        if self.station.report is None:
+            return PlainTextResponse("this page has no server behind it; `unitylink serve` has one", 404)
+        report = await run_in_threadpool(self.station.report)  # it waits for the board's lock
+        return HTMLResponse(status_page(report, session.client.name))
 
     def _session(self, request: HTTPConnection) -> Session | None:
         return self._sessions.find(request.cookies.get(self._cookie, ""), time.monotonic())
