@@ -164,8 +164,8 @@ class UartBridge final : public Component {
     output(tx_enable, on, edge);
   }
 
-  void go(State state, Clock due) noexcept {
-    state_ = state;
+  void go(State next, Clock due) noexcept {
+    state_ = next;
     due_ = due;
   }
 
