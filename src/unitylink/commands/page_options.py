@@ -34,12 +34,13 @@ _OPTIONS = (
         help="How much they may take of the disk, all together.",
     ),
     click.option("--urdf", metavar="FILE", help="The shape of the robot, which the page shows and moves."),
+    click.option("--mjcf", metavar="FILE", help="The same as a model of MuJoCo."),
     click.option(
         "--joint",
         "joints",
         multiple=True,
         metavar="NAME=ITEM",
-        help="The item that moves a joint of --urdf, where the names differ.",
+        help="The item that moves a joint of the shape, where the names differ.",
     ),
 )
 
@@ -58,22 +59,27 @@ def page_extras(
     recordings: str,
     recordings_mb: float,
     urdf: str | None,
+    mjcf: str | None,
     joints: tuple[str, ...],
 ) -> Extras:
     """Return what the options say, for the board `root` of the spec in the file `source`.
 
-    Tells on stderr what of the URDF cannot be shown, or does not move.
+    Tells on stderr what of the shape cannot be shown, or does not move.
     """
     from unitylink.dashboard.body.joint_values import with_values
+    from unitylink.dashboard.body.mjcf import read_mjcf
     from unitylink.dashboard.body.urdf import read_urdf
     from unitylink.dashboard.extras import Extras
     from unitylink.dashboard.shelf import Shelf
 
     shelf = Shelf(recordings, round(recordings_mb * 1e6))
     text = Path(source).read_text(encoding="utf-8")
-    if urdf is None:
+    if urdf is not None and mjcf is not None:
+        raise click.UsageError("--urdf and --mjcf both give the shape; one is enough")
+    shape = mjcf if urdf is None else urdf
+    if shape is None:
         if joints:
-            raise Failure("--joint names joints of a URDF, and none is given", "add --urdf FILE")
+            raise Failure("--joint names joints of the shape, and none is given", "add --urdf or --mjcf FILE")
         return Extras(shelf, text)
     given = {}
     for one in joints:
@@ -81,7 +87,7 @@ def page_extras(
         if not (name and found and path):
             raise click.BadParameter(f"'{one}': expected NAME=ITEM", param_hint="--joint")
         given[name] = path
-    body = with_values(read_urdf(urdf), root, given)
+    body = with_values(read_urdf(shape) if urdf is not None else read_mjcf(shape), root, given)
     for note in body.notes:
-        click.echo(f"{urdf}: {note}", err=True)
+        click.echo(f"{shape}: {note}", err=True)
     return Extras(shelf, text, body)

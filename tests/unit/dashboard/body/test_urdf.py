@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.dashboard.body import stl, urdf, xml_tree
+from unitylink.dashboard.body import robot_file, stl, xml_tree
 from unitylink.dashboard.body.body import Shape
 from unitylink.dashboard.body.mesh_files import mesh_file
 from unitylink.dashboard.body.urdf import read_urdf
@@ -169,8 +169,8 @@ def test_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for module, name, value, said in (
         (stl, "MOST_TRIANGLES", 99, "more than the 99"),
         (stl, "MOST_BYTES", 1000, "simplify the mesh"),
-        (urdf, "MOST_BYTES", 1000, "simplify them"),
-        (urdf, "MOST_LINKS", 1, "2 links"),
+        (robot_file, "MOST_BYTES", 1000, "simplify them"),
+        (robot_file, "MOST_LINKS", 1, "2 links"),
         (xml_tree, "MOST_BYTES", 100, "no URDF needs"),
         (xml_tree, "MOST_ELEMENTS", 5, "5 in all"),
     ):
