@@ -82,7 +82,7 @@ begin
     variable random : random_t;
     variable answer : bus_answer_t;
     variable worst_current, worst_duty : real := 0.0;
-    variable a, b, kp, angle, target_d, target_q, id, iq, speed, v_d, v_q, beat : real := 0.0;
+    variable a, b, kp, angle, target_d, target_q, id, iq, speed, v_d, v_q : real := 0.0;
     variable before : natural;
 
     procedure put (address : natural; value : integer) is

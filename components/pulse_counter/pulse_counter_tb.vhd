@@ -74,7 +74,6 @@ begin
   master : process is
 
     variable random : random_t;
-    variable answer : bus_answer_t;
     variable count  : unsigned(data_width - 1 downto 0) := (others => '0');
     variable events : natural := 0; -- that must have come
     variable before : natural;
