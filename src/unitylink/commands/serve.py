@@ -127,7 +127,7 @@ def command(
     from unitylink.server.log_file import LogFile, check_writable
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
-    from unitylink.server.serving import Server
+    from unitylink.server.serving import Server, allow_files
     from unitylink.server.tokens import Tokens, User, new_token
     from unitylink.spec import load
 
@@ -172,6 +172,7 @@ def command(
         return _report_check(named, host, port, known, tls=tls is not None)
     log = LogFile(audit_file, "--audit") if audit_file else None
     audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
+    allow_files()
     with stopped_by_signals() as stop, ExitStack() as boards, ExitStack() as pages:
         robots = [
             Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0)
