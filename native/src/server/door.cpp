@@ -10,6 +10,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include "layer0_driver/polling.hpp"
@@ -20,7 +21,8 @@ namespace unitylink::server {
 namespace {
 
 constexpr int backlog = 256;
-constexpr int send_buffer_bytes = 65536;    // so that a client that does not read is noticed soon
+constexpr int send_buffer_bytes = 65536;  // so that a client that does not read is noticed soon
+constexpr int no_files_pause_ms = 20;
 constexpr unsigned unheard_most_ms = 5000;  // what a dead computer does not confirm for so long ends its connection
 
 void set(int socket, int level, int option, int value) noexcept {
@@ -117,6 +119,9 @@ void Door::let_in() {
     Descriptor next(
         ::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (!next.open()) {
+      if (errno == EMFILE || errno == ENFILE) {  // the caller still waits: a pause, or this loop takes a core
+        ::poll(nullptr, 0, no_files_pause_ms);
+      }
       return;
     }
     set(next.get(), IPPROTO_TCP, TCP_NODELAY, 1);
