@@ -147,7 +147,6 @@ class CompiledGhdl(Ghdl):
     def _make(self, bench: str) -> list[str]:
         """Return the program of a bench. It is made the first time."""
         with locked():
-            ieee = optimised_ieee(self.compiler)
             if not self.programs.exists():
                 for old in BUILD.glob("????????????????"):
                     shutil.rmtree(old)
@@ -155,7 +154,7 @@ class CompiledGhdl(Ghdl):
                 called([self.compiler, "-i", "--std=08", *map(str, every_source())], self.programs)
             program = self.programs / bench
             if not program.exists():
-                called([self.compiler, "-m", *ieee, "-O1", bench], self.programs)
+                called([self.compiler, "-m", *optimised_ieee(self.compiler), "-O1", bench], self.programs)
         return [str(program)]
 
 

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import re
-from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 from gateware.simulators import STRICT, called, executable
 
 from unitylink.gateware import bench_sources, every_source, gateware_sources, simulation_sources
-from unitylink.gateware.dependencies import plain_text, units_of
+from unitylink.gateware.dependencies import in_order
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = [*gateware_sources(), *simulation_sources()]
@@ -41,14 +40,10 @@ PARTS = {
 
 
 def test_ghdl_warns_of_nothing(tmp_path: Path) -> None:
-    units = units_of(every_source())
-    needs = {
-        path: {units[name] for name in re.findall(r"\bwork\.(\w+)", plain_text(path)) if name in units}
-        for path in every_source()
-    }
-    needs = {path: others - {path} for path, others in needs.items()}
-    in_order = map(str, TopologicalSorter(needs).static_order())
-    called([executable("ghdl", "ghdl-mcode"), "-a", "--std=08", *STRICT, *in_order], tmp_path)
+    called(
+        [executable("ghdl", "ghdl-mcode"), "-a", "--std=08", *STRICT, *map(str, in_order(every_source()))],
+        tmp_path,
+    )
 
 
 @pytest.mark.parametrize("entity", ENTITIES)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 _COMMENT = re.compile(r'("[^"\n]*")|--[^\n]*')
@@ -26,8 +27,21 @@ def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
         path = units.get(wanted.pop())
         if path is not None and path not in found:
             found.add(path)
-            wanted += re.findall(r"\bwork\.(\w+)", plain_text(path))
+            wanted += _names_in(path)
     return sorted(found, key=lambda path: path.name)
+
+
+def in_order(sources: Iterable[Path]) -> list[Path]:
+    """Return `sources` so that each file stands behind those whose units it needs.
+
+    >>> from unitylink.gateware import gateware_sources
+    >>> names = [path.name for path in in_order(gateware_sources())]
+    >>> names.index("width_pkg.vhd") < names.index("fifo.vhd")
+    True
+    """
+    units = units_of(paths := list(sources))
+    needs = {path: {units[name] for name in _names_in(path) if name in units} - {path} for path in paths}
+    return list(TopologicalSorter(needs).static_order())
 
 
 def units_of(sources: Iterable[Path]) -> dict[str, Path]:
@@ -38,6 +52,11 @@ def units_of(sources: Iterable[Path]) -> dict[str, Path]:
 def entities_of(sources: Iterable[Path]) -> set[str]:
     """Return the names of the entities of `sources`."""
     return {name for path in sources for name in _ENTITY.findall(plain_text(path))}
+
+
+def _names_in(path: Path) -> list[str]:
+    """Return the names of the units of its own library that a file uses."""
+    return re.findall(r"\bwork\.(\w+)", plain_text(path))
 
 
 @cache

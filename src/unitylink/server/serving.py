@@ -23,7 +23,9 @@ from .tokens import Tokens, User
 
 _LOOK_S = 0.2  # how often the door looks whether the server ends
 CLIENTS_MAX = 1024  # of all robots together
+CLIENTS_KEPT = 16  # of these, for users who have no connection yet
 FILES_MOST = 4096  # open files of the process: a connection is one, and Linux gives a program 1,024 at first
+TALKS_MAX = 8  # questions that are being answered at the same time
 
 
 def allow_files() -> None:
@@ -32,10 +34,6 @@ def allow_files() -> None:
     wanted = FILES_MOST if hard == resource.RLIM_INFINITY else min(FILES_MOST, hard)
     if most != resource.RLIM_INFINITY and most < wanted:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
-
-
-CLIENTS_KEPT = 16  # of these, for users who have no connection yet
-TALKS_MAX = 8  # questions that are being answered at the same time
 
 
 class Server:

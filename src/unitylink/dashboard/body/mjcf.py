@@ -92,8 +92,8 @@ class _Reader(RobotFile):
         if name not in self.defaults:
             raise self.wrong(f"<{element.tag}>: there is no default class {shown(name)}")
         whole = self.defaults[name].get(element.tag, {}) | dict(element.items())
-        if any(way in element.keys() for way in WAYS):  # noqa: SIM118  (an element is no mapping)
-            whole = {key: value for key, value in whole.items() if key not in WAYS or key in element.keys()}  # noqa: SIM118
+        if any(way in element.attrib for way in WAYS):
+            whole = {key: value for key, value in whole.items() if key not in WAYS or key in element.attrib}
         return Element(element.tag, whole)
 
     def _assets(self, tag: str) -> list[Element]:
@@ -173,7 +173,7 @@ class _Reader(RobotFile):
         return made
 
     def _shape(self, element: Element, where: str, inner: Pose) -> Shape | None:
-        kind = element.get("type", "mesh" if "mesh" in element.keys() else "sphere")  # noqa: SIM118
+        kind = element.get("type", "mesh" if "mesh" in element.attrib else "sphere")
         if self.numbers(element, "group", where, 1, (0.0,))[0] >= SEEN_GROUPS:
             return None
         if kind in LEFT_OUT:
@@ -210,7 +210,7 @@ class _Reader(RobotFile):
 
     def _placed(self, element: Element, where: str) -> tuple[Pose, float | None]:
         """Return the pose of a geom, and its length if that is said by its ends."""
-        if "fromto" not in element.keys():  # noqa: SIM118
+        if "fromto" not in element.attrib:
             return self._pose(element, where), None
         ends = np.array(self.numbers(element, "fromto", where, 6))
         way = ends[3:] - ends[:3]
@@ -221,7 +221,7 @@ class _Reader(RobotFile):
 
     def _pose(self, element: Element, where: str) -> Pose:
         at = np.array(self.numbers(element, "pos", where, 3, (0.0, 0.0, 0.0)))
-        given = [way for way in WAYS if way in element.keys()]  # noqa: SIM118
+        given = [way for way in WAYS if way in element.attrib]
         if len(given) > 1:
             raise self.wrong(f"{where}: {' and '.join(given)}; one orientation is enough")
         if not given:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the readers of robot descriptions share: names, numbers, meshes, and that the links are a tree."""
+"""What the readers of robot descriptions share: numbers, meshes, and that the links are a tree."""
 
 from __future__ import annotations
 
@@ -87,13 +87,6 @@ class RobotFile:
             if sum(len(mesh.triangles) for mesh in self.triangles) > MOST_BYTES:
                 raise self.wrong(f"its meshes have more than {MOST_BYTES // 36:,} triangles; simplify them")
         return self.meshes[path]
-
-    def name(self, element: Element) -> str:
-        """Return the name of an element."""
-        name = element.get("name", "")
-        if not name or len(name) > 200:
-            raise self.wrong(f"a {element.tag} has no name, or one of more than 200 letters")
-        return name
 
     def numbers(
         self, element: Element, name: str, where: str, count: int, default: tuple[float, ...] | None = None

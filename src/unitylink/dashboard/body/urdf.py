@@ -38,7 +38,7 @@ class _Reader(RobotFile):
         return self.checked(root.get("name", ""), links, joints)
 
     def _link(self, element: Element) -> Link:
-        name = self.name(element)
+        name = self._name(element)
         seen = element.findall("visual") or element.findall("collision")
         shapes = (self._shape(one, f"link {shown(name)}") for one in seen)
         return Link(name, tuple(shape for shape in shapes if shape is not None))
@@ -77,7 +77,7 @@ class _Reader(RobotFile):
         return self.colours.get(name, GREY)
 
     def _joint(self, element: Element) -> Joint:
-        name, kind = self.name(element), element.get("type", "")
+        name, kind = self._name(element), element.get("type", "")
         where = f"joint {shown(name)}"
         if kind not in KINDS:
             raise self.wrong(f"{where}: the type {shown(kind)} is none of {', '.join(KINDS)}")
@@ -109,3 +109,9 @@ class _Reader(RobotFile):
         x, y, z = self.numbers(origin, "xyz", where, 3, (0.0, 0.0, 0.0))
         roll, pitch, yaw = self.numbers(origin, "rpy", where, 3, (0.0, 0.0, 0.0))
         return (x, y, z), (roll, pitch, yaw)
+
+    def _name(self, element: Element) -> str:
+        name = element.get("name", "")
+        if not name or len(name) > 200:
+            raise self.wrong(f"a {element.tag} has no name, or one of more than 200 letters")
+        return name
