@@ -12,7 +12,8 @@
 --   +6  frequency in 1/256 Hz                                    (with_frequency 1, else err)
 --
 -- The words are in block RAM: see pulse_counter_words. All are of one moment, also in a block of accesses. So the
--- difference of +0 over that of +2 is the mean frequency between two reads, exact to a clock. A preset loses no pulse.
+-- difference of +0 over that of +2 is the mean frequency between two reads, as exact as the ticks (see rate_pkg). A
+-- preset loses no pulse.
 --
 -- Period    It is 0 until two pulses have come, and again when none has come for timeout_ms: an old one is never shown.
 --           It is also 0 after a pause, for what was not counted may have been a pulse.

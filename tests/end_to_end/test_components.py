@@ -72,13 +72,15 @@ def test_a_shaft_turns_an_encoder(spec: Spec, board: Board) -> None:
 
 
 def test_pulses_are_counted_and_timed() -> None:
-    text = "link c(ADDRESS=8); public c() { flow: pulse_counter(timeout_ms=50, with_frequency=1); }"
+    # A tick of 2**6 clocks is exact. One of 1 MHz is 0.021 % short, and 1000 would be 1001 at times.
+    arguments = "time_hz=781250, timeout_ms=50, with_frequency=1"
+    text = f"link c(ADDRESS=8); public c() {{ flow: pulse_counter({arguments}); }}"
     spec = compile_text(text, "c.ul").spec
     assert spec is not None
     with Board(spec, endpoint="tcp") as board, Link(board.url) as link:
         # four counts of an encoder are one pulse
-        board.components["flow"].turn(4 * 200, seconds=0.2, lines=("line", "gate"))
-        until(lambda: link.read(address(spec, "flow.frequency")) == 1000 * 256)
+        board.components["flow"].turn(4 * 200, seconds=0.256, lines=("line", "gate"))
+        until(lambda: link.read(address(spec, "flow.frequency")) == 781.25 * 256)
         assert link.read(address(spec, "flow.period")) == 1000
         until(lambda: link.read(address(spec, "flow.count")) == 200)
         until(lambda: link.read(address(spec, "flow.period")) == 0)
