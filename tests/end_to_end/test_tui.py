@@ -122,8 +122,8 @@ def spec(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def server(spec: Path) -> Iterator[str]:
-    """The URL of a board that programs share. UNITYLINK_TOKEN is "together"."""
-    environment = {**os.environ, "UNITYLINK_TOKEN": "together"}
+    """The URL of a board that programs share. UNITYLINK_TOKEN is "together-0123456789"."""
+    environment = {**os.environ, "UNITYLINK_TOKEN": "together-0123456789"}
     command = [UNITYLINK, "serve", f"sim:{spec}", spec, "--json", "--listen", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment, text=True) as process:
         assert process.stdout is not None
@@ -141,7 +141,7 @@ def test_a_virtual_board_without_colours(spec: Path) -> None:
 
 
 def test_a_board_at_a_server(server: str, spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("UNITYLINK_TOKEN", "together")
+    monkeypatch.setenv("UNITYLINK_TOKEN", "together-0123456789")
     with Link(server) as other, terminal("tui", server, "--spec", spec) as one:
         one.until("SPACE stop")
         one.press("\x1b[Bt")
@@ -161,7 +161,7 @@ def test_a_board_at_a_server(server: str, spec: Path, monkeypatch: pytest.Monkey
 def test_a_terminal_that_is_closed_makes_its_parts_safe(
     server: str, spec: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("UNITYLINK_TOKEN", "together")
+    monkeypatch.setenv("UNITYLINK_TOKEN", "together-0123456789")
     with Link(server) as other, terminal("tui", server, "--spec", spec) as one:
         one.until("SPACE stop")
         one.press("\x1b[Bt")
@@ -196,7 +196,7 @@ def test_the_space_bar_stops_while_the_screen_hangs(
     server: str, spec: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A terminal that takes nothing any more, as over a line that is stuck."""
-    monkeypatch.setenv("UNITYLINK_TOKEN", "together")
+    monkeypatch.setenv("UNITYLINK_TOKEN", "together-0123456789")
     with Link(server) as other, terminal("tui", server, "--spec", spec, columns=1000) as one:
         one.until("SPACE stop")
         one.press("\x1b[Bt")

@@ -253,6 +253,9 @@ void Link::lead(Lock& lock, std::uint64_t until_ns, int other) noexcept {
   int ready = 0;
   while (ready == 0 && paced && real_ns() < look_until) {
     ready = poll_for(waiting, 0);
+    if (ready == 0) {
+      ::sched_yield();  // the one that replies may wait for this very processor
+    }
   }
   if (ready == 0) {
     const std::uint64_t now = now_ns();

@@ -255,14 +255,16 @@ def _named(links: tuple[str, ...], spec: Spec) -> dict[str, str]:
 
 def _tokens(path: str | None) -> tuple[Tokens, str]:
     """Return the tokens of the file, or a fresh one for everything."""
+    from unitylink.errors import UnityLinkError
     from unitylink.server.scopes import Rights
-    from unitylink.server.tokens import Tokens, User, digest, load_tokens, new_token
+    from unitylink.server.tokens import Tokens, User, chosen_token, digest, load_tokens, new_token
 
     if path is not None:
         return load_tokens(path), ""
-    token = os.environ.get("UNITYLINK_TOKEN") or new_token()
-    if not token.isascii() or not token.isprintable() or " " in token:
-        raise Failure("UNITYLINK_TOKEN is not one word of printable characters", "unset it, and one is made")
+    try:
+        token = chosen_token(os.environ.get("UNITYLINK_TOKEN") or new_token())
+    except UnityLinkError as error:
+        raise Failure(f"UNITYLINK_TOKEN: {error}", "unset it, and one is made") from error
     return Tokens([(digest(token), User("owner", Rights.of(["admin"])))]), token
 
 

@@ -16,6 +16,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from unitylink.errors import AccessRefused, UnityLinkError
+from unitylink.server.metrics import metrics
 from unitylink.server.rate_limit import RateLimit
 
 from .desk import now
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 BODY_BYTES, BODY_S = 4096, 4.0  # of the only requests that have a body
 LOGINS_HZ, LOGIN_BURST = 5.0, 20
+NO_SERVER = "this page has no server behind it; `unitylink serve` has one"
+NO_TOKEN = "/metrics wants a token: credentials_file in Prometheus' scrape_configs, under authorization"
 BUSY = 1013  # the WebSocket code for "try again later"
 
 
@@ -57,6 +60,7 @@ class WebApp:
                 Route("/logout", self._log_out, methods=["POST"]),
                 Route("/stop", self._stop, methods=["POST"]),
                 Route("/status", self._status),
+                Route("/metrics", self._metrics),
                 *Downloads(self.station, self._session).routes(),
                 WebSocketRoute("/socket", self._socket),
             ]
@@ -70,9 +74,26 @@ class WebApp:
         if session is None:
             return PlainTextResponse(NO_SESSION, 401)
         if self.station.report is None:
-            return PlainTextResponse("this page has no server behind it; `unitylink serve` has one", 404)
+            return PlainTextResponse(NO_SERVER, 404)
         report = await run_in_threadpool(self.station.report)  # it waits for the board's lock
         return HTMLResponse(status_page(report, session.client.name))
+
+    async def _metrics(self, request: Request) -> Response:
+        """Answer Prometheus, which shows a token with each request. It keeps no cookies."""
+        if not self.logins.allow(time.monotonic()):
+            return PlainTextResponse("too many log-ins; wait a second", 429)
+        kind, _, token = request.headers.get("authorization", "").partition(" ")
+        if kind.lower() != "bearer":
+            return PlainTextResponse(NO_TOKEN, 401, {"www-authenticate": "Bearer"})
+        try:
+            with self.station.desk.gate() as gate:
+                gate.user(token.strip(), _where(request), now())
+        except AccessRefused as error:
+            return PlainTextResponse(str(error), 403)
+        if self.station.report is None:
+            return PlainTextResponse(NO_SERVER, 404)
+        report = await run_in_threadpool(self.station.report)
+        return PlainTextResponse(metrics(report), media_type="text/plain; version=0.0.4; charset=utf-8")
 
     def _session(self, request: HTTPConnection) -> Session | None:
         return self._sessions.find(request.cookies.get(self._cookie, ""), time.monotonic())

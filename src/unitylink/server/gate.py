@@ -86,14 +86,18 @@ class Gate:
 
     def login(self, token: str, where: str, now: Now) -> Client:
         """Let a user in. Raises AccessRefused if the token is unknown or has expired."""
+        client = Client(next(self._numbers), self.user(token, where, now), where)
+        self._clients[client.number] = client
+        self._log("login", now, client)
+        return client
+
+    def user(self, token: str, where: str, now: Now) -> User:
+        """Return whose token this is, without a login. Raises AccessRefused as `login` does."""
         user = self._tokens.user(token, now.wall_s)
         if user is None:
             self._refused(now, "login", where=where)
             raise AccessRefused(f"{self.name}: the server does not know this token, or it has expired")
-        client = Client(next(self._numbers), user, where)
-        self._clients[client.number] = client
-        self._log("login", now, client)
-        return client
+        return user
 
     @contextmanager
     def visit(self, user: User, where: str) -> Iterator[Client]:

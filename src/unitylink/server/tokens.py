@@ -35,6 +35,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+LEAST = 16  # characters of a token that somebody has chosen
 _KEYS = ("name", "sha256", "scopes", "expires")
 _NAME = re.compile(r"[\w.@-]{1,64}")  # printable in logs, metrics and pages without quoting
 _DIGEST = re.compile(r"[0-9a-f]{64}")
@@ -52,6 +53,19 @@ class User:
 def new_token() -> str:
     """Return a fresh token: 256 random bits as 43 letters, digits, - and _."""
     return secrets.token_urlsafe(32)
+
+
+def chosen_token(token: str) -> str:
+    """Return a token that somebody has chosen. Raises UnityLinkError if it is easy to guess, or no token.
+
+    >>> chosen_token("correct-horse-battery-staple")
+    'correct-horse-battery-staple'
+    """
+    if not token.isascii() or not token.isprintable() or " " in token:
+        raise UnityLinkError("the token is not one word of printable ASCII characters")
+    if len(token) < LEAST:
+        raise UnityLinkError(f"the token has {len(token)} characters; it needs {LEAST}, or others guess it")
+    return token
 
 
 def digest(token: str) -> str:

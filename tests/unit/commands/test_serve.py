@@ -65,6 +65,19 @@ def test_wrong_arguments(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("token", "message"), [("secret", "has 6 characters"), ("two words" * 3, "not one word")]
+)
+def test_a_token_that_others_guess(
+    spec: str, token: str, message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("UNITYLINK_TOKEN", token)
+    assert main(["serve", "tcp://a:1", spec, "--check-config"]) == 1
+    told = capsys.readouterr().err
+    assert message in told
+    assert token not in told
+
+
 def test_an_address_that_is_not_here(spec: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["serve", f"sim:{spec}", spec, "--listen", "192.0.2.1:1", "--anyone"]) == 1
     told = capsys.readouterr().err

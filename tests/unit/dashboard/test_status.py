@@ -10,6 +10,7 @@ from unit.dashboard.robot import robot
 from unitylink.dashboard.extras import Extras
 
 CLIENT = {
+    "id": 7,
     "name": "ana",
     "where": "<b>lab</b>",
     "age_s": 61.4,
@@ -54,3 +55,23 @@ def test_a_page_without_a_server_has_no_status() -> None:
     with robot() as served:
         status, _, body = served.request("GET", "/status", cookie=served.log_in("dan"))
     assert (status, b"unitylink serve" in body) == (404, True)
+
+
+def test_prometheus_shows_a_token_with_each_request() -> None:
+    told = {"refused": 2, "turned_away": 0, "log_lines_lost": 0, "robots": [ARM]}
+    with robot(extras=Extras(report=lambda: told)) as served:
+        status, headers, body = served.request("GET", "/metrics", authorization="Bearer ben")
+        assert (status, headers["content-type"]) == (200, "text/plain; version=0.0.4; charset=utf-8")
+        assert b'unitylink_client_requests_total{board="arm",user="ana"' in body
+        assert served.request("GET", "/metrics", authorization="Bearer guess")[0] == 403
+        for wrong in ({}, {"authorization": "Basic ben"}, {"cookie": served.log_in("ben")}):
+            status, headers, body = served.request("GET", "/metrics", **wrong)
+            assert (status, headers["www-authenticate"]) == (401, "Bearer")
+            assert b"credentials_file" in body
+
+
+def test_a_flood_of_guesses_at_the_metrics_is_refused() -> None:
+    with robot(extras=Extras(report=lambda: {"robots": []})) as served:
+        told = [served.request("GET", "/metrics", authorization="Bearer guess")[0] for _ in range(40)]
+    assert told[0] == 403
+    assert told[-1] == 429

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from paho.mqtt.client import Client as Paho
 from paho.mqtt.client import MQTTMessage
 from paho.mqtt.enums import CallbackAPIVersion
@@ -233,6 +235,39 @@ def test_what_is_wrong_is_said(broker: Mosquitto, one: Served, topic: str, text:
         ana.say(topic, text)
         assert said in ana.error()
     assert [one.board.registers[address] for address in (0x1A, 0x1B, 0x1C, 0x1D)] == before
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+)
+WORDS = st.sampled_from(["on", "OFF", "run", "PRESS", "NaN", "1e400", "-0", "0x12", "9" * 999, "[" * 999])
+COMMANDS = (WORDS | st.text(max_size=40) | JSON.map(json.dumps)).map(
+    lambda text: text.encode("utf-8", "replace")
+)
+
+
+def test_no_command_is_too_strange(broker: Mosquitto, one: Served) -> None:
+    names = ["target", "power", "mode", "open", "reset", "position", "", "+", "#", "\ud800"]
+
+    with at(broker, one) as mqtt:
+        until(lambda: mqtt._values and mqtt._paho.is_connected())
+        mqtt._client = None
+        refused: list[str] = []
+        mqtt._refuse = lambda topic, why: refused.append(why)  # type: ignore[method-assign]
+
+        @settings(max_examples=300, deadline=None, derandomize=True, database=None)
+        @given(st.sampled_from(names), COMMANDS | st.binary(max_size=40))
+        def try_it(name: str, sent: bytes) -> None:
+            told = len(refused)
+            mqtt._do(mqtt._topics.command(name), sent.decode("utf-8", "replace"))
+            if name not in ("target", "power", "mode", "open", "reset"):
+                assert len(refused) == told + 1
+            word = one.board.registers[0x1A] & 0xFFFF
+            assert abs((word ^ 0x8000) - 0x8000) <= 900, "outside of the limits of the spec"
+            assert one.board.registers[0x1C] in (0, 3), "no value of the enum"
+
+        try_it()
 
 
 def test_a_kept_command_is_never_executed(broker: Mosquitto, one: Served) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import UnityLinkError, ValueRangeError
+from unitylink.errors import UnityLinkError, UnknownName, ValueRangeError
 from unitylink.optional import absent
 from unitylink.server.rate_limit import RateLimit
 
@@ -228,7 +228,9 @@ class Mqtt:
 
     def _do(self, topic: str, text: str) -> None:
         try:
-            path = next(one for one in self._writes if self._topics.command(one) == topic)
+            path = next((one for one in self._writes if self._topics.command(one) == topic), None)
+            if path is None:  # a broker may send what nobody has asked for
+                raise UnknownName("there is no such command")
             element = self._hand.elements[path]
             if element.access == "PULSE":
                 if text.strip() != PRESS:
