@@ -18,6 +18,7 @@ from unitylink.errors import ValueRangeError
 from unitylink.layer4_data import load_spec_objects
 from unitylink.simulate import Board
 from unitylink.simulate.rtl import RtlBoard
+from unitylink.simulate.rtl.board import rtl_configuration
 from unitylink.spec import Spec, compile_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -86,6 +87,45 @@ def test_pulses_are_counted_and_timed() -> None:
         until(lambda: link.read(address(spec, "flow.period")) == 0)
         until(lambda: link.read(address(spec, "flow.frequency")) == 0)
         assert link.read(address(spec, "flow.stamp")) > 199_000
+
+
+def test_pulses_come_as_many_as_asked_for() -> None:
+    text = """
+    link cell(ADDRESS=8);
+    public cell() { pump: pulse_generator(maximum_hz=50000, scale=1/20000 l, rate=100 Hz); }
+    """
+    spec = compile_text(text, "cell.ul").spec
+    assert spec is not None
+    configuration = rtl_configuration(spec, clock_hz=2_000_000)
+    for make in (Board, RtlBoard):
+        with make(spec, configuration=configuration, endpoint="tcp") as board, Link(board.url) as link:
+            robot = load_spec_objects(spec, link)
+            pump = board.components["pump"]
+            robot["pump.width"].write(100e-6)
+            robot["pump.burst"].write(3)
+            robot["pump.frequency"].write(0.1)  # l/s: 2000 pulses per second
+            robot["pump.to_go"].write(40)
+            until(lambda: robot["pump.pulses"].read() == pytest.approx(2e-3))  # noqa: B023
+            until(lambda: not robot["pump.state"].read().running)  # noqa: B023
+            assert pump.rises("line") == 40
+            assert pump.pulse_s("line") == pytest.approx(100e-6)
+            pump.drive("trigger", True)
+            until(lambda: pump.rises("line") == 43)  # noqa: B023
+
+            robot["pump.burst"].write(0)
+            until(lambda: pump.rises("line") > 60)  # noqa: B023
+            pump.drive("stop", True)
+            until(lambda: robot["pump.state"].read().stopped)  # noqa: B023
+            stopped = pump.rises("line")
+            robot["pump.frequency"].write(0.1)
+            assert not robot["pump.state"].read().running and pump.rises("line") == stopped
+            pump.drive("stop", False)
+            with pytest.raises(ValueRangeError):
+                robot["pump.frequency"].write(2.6)
+            robot["pump.frequency"].write(2.5)
+            until(lambda: pump.rises("line") > stopped)  # noqa: B023
+            robot["pump.frequency"].write(0.0)
+            until(lambda: not robot["pump.state"].read().running)  # noqa: B023
 
 
 def test_an_index_comes_once_a_turn(spec: Spec, board: Board) -> None:

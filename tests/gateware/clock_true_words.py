@@ -74,3 +74,10 @@ SERVO_BUS = {8 * n: (0, 1, 1, 2, 2, 2, 3) for n in range(2)} | {
     24: (*[1] * 20, 0),
 }
 PULSES = {0: (0, 7, 0xFFFFFFFE), 1: (*[0] * 20, 1)}
+# Frequencies, widths and bursts of a generator: most of its time it runs.
+GENERATOR = {
+    0: (*[5_000_000] * 3, 1_000_003, 9_000_000, 128_000_000, 0),
+    1: (0, 0, 1, 2, 7, 90),
+    2: (0, 0, 1, 2, 5),
+    3: (0, 1, 3, 7, 0xFFFFFFFF),
+}

@@ -17,6 +17,7 @@ from gateware.clock_true_words import (
     FOC,
     FOC_START,
     FOC_WIRES,
+    GENERATOR,
     H_BRIDGE,
     PID,
     PROFILE,
@@ -318,6 +319,11 @@ CASES = {
             quiet=2000,
             wait=34,
         ),
+    ),
+    "pulse_generator": (
+        Case("maximum_hz=500000, time_hz=500000, filter_ns=800", GENERATOR, 200, 900, still=(1,)),
+        Case("maximum_hz=575000, time_hz=2300000, active_level=0, filter_ns=0", GENERATOR, 90, 4000, rest=0),
+        Case("maximum_hz=20000, time_hz=1000, filter_ns=0", GENERATOR, 90, 3000, still=(1,)),
     ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),

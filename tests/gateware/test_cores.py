@@ -83,6 +83,24 @@ def test_a_timeout_that_does_not_fit_stops_elaboration(ghdl: Any) -> None:
 
 
 @pytest.mark.parametrize(
+    "generics",
+    [
+        {},
+        {"clock_hz": 4_194_304, "time_hz": 2_000_000, "active_level": 0, "data_width": 28},
+        {"clock_hz": 4_000_000, "time_hz": 4_000_000, "seed": 2},
+    ],
+)
+def test_pulse_generator(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("pulse_generator_tb", **generics)
+
+
+def test_pulses_that_the_clock_cannot_give_stop_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("pulse_generator_tb", "1000000 Hz needs a clock of 4 times that rate", clock_hz=3_999_999)
+    ghdl.refuse("pulse_generator_tb", "time_hz is at most clock_hz, got 4700001", time_hz=4_700_001)
+    ghdl.refuse("pulse_generator_tb", "a word of 27 bits is too short for maximum_hz", data_width=27)
+
+
+@pytest.mark.parametrize(
     ("clock_hz", "modulator_hz", "osr"), [(50_000_000, 10_000_000, 64), (48_000_000, 12_000_000, 40)]
 )
 def test_sigma_delta_adc(ghdl: Any, clock_hz: int, modulator_hz: int, osr: int) -> None:

@@ -141,6 +141,24 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "pulse_generator",
+        "`components/pulse_generator`, words of 16 bits",
+        depth=10,
+        pdr=True,
+        reach=40,
+        seen={"frequency": "dut.asked", "burst": "dut.burst", "to_go": "dut.to_go"},
+        loose=("dut.half", "dut.left", "dut.fine"),  # half a period and a width end at any clock
+        not_proven="the times and the widths of the pulses: the bench has them, clock by clock",
+        mutants=(
+            Mutant("pulse_generator.vhd", "due and wants and not active;", "due and wants;"),
+            Mutant("pulse_generator.vhd", "if (written(0) and off) = '1' or stopped", "if stopped"),
+            Mutant("pulse_generator.vhd", "pulled or (halted and not written(0));", "pulled;"),
+            Mutant("pulse_generator.vhd", "to_go <= to_go - 1;", "to_go <= to_go - 2;"),
+            Mutant("pulse_generator.vhd", "to_go = 0 then\n        to_go", "to_go /= 1 then\n        to_go"),
+            Mutant("pulse_generator.vhd", "and not ends)) and not stopped;", "and not ends));"),
+        ),
+    ),
+    Block(
         "stepgen_pulse",
         "`components/stepgen`, the pins STEP and DIR of an axis",
         depth=24,

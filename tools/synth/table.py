@@ -254,6 +254,12 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "pulse_generator",
+        "a component: pulses of an exact rate and width on a line",
+        top="pulse_generator",
+        mhz_least=50.0,
+    ),
+    Row(
         "pwm",
         "a component: four channels of PWM at 20 kHz",
         top="pwm",
