@@ -392,6 +392,7 @@ void bind_board(nb::module_& module) {
       .def("attach_esc", &attach_esc<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_i2c", &attach_i2c<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_servo", &attach_servo<PythonBoard>, nb::keep_alive<0, 1>())
+      .def("attach_distance", &attach_distance<PythonBoard>, nb::keep_alive<0, 1>())
       .def("play", &Board::play, nb::arg("component"), nb::arg("pin"), nb::arg("levels"), Release())
       .def("edges", &Board::edges, nb::arg("component"), nb::arg("pin"), Release())
       .def("count_by", &Board::count_by, nb::arg("component"), nb::arg("pin"), nb::arg("direction"), Release())

@@ -75,6 +75,19 @@ std::optional<BoardDevice> attach_i2c(PythonBoard& self, std::uint32_t component
   return BoardDevice{&self, component, scl_drive};
 }
 
+// Puts a distance sensor at the pins trigger and echo of a component. `us` is the clocks of a microsecond. None: it has
+// no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_distance(PythonBoard& self, std::uint32_t component,
+                                           const std::tuple<std::uint32_t, std::uint32_t>& pins, double us) {
+  const auto [trigger, echo] = pins;
+  const GilRelease released;
+  if (!self.attach(component, device::DistanceLines{trigger, echo, us})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component, trigger};
+}
+
 template <class PythonBoard>
 nanobind::object look_at_pin(PythonBoard& self, std::uint32_t component, std::uint32_t pin) {
   std::optional<device::SeenPin> seen;

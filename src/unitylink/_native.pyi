@@ -247,6 +247,7 @@ class Board:
     def attach_i2c(
         self, component: int, pins: tuple[int, int, int, int], address: int, width: int, /
     ) -> BoardDevice | None: ...
+    def attach_distance(self, component: int, pins: tuple[int, int], us: float, /) -> BoardDevice | None: ...
     def attach_servo(
         self,
         component: int,

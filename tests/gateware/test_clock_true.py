@@ -31,6 +31,7 @@ from gateware.clock_true_words import (
 )
 from gateware.dshot_line import replies_of_dshot
 from gateware.random_wires import random_wires
+from gateware.sensor_lines import echoes
 from gateware.serial_line import serial_line
 from gateware.servo_line import replies_of_servos
 from gateware.simulators import Ghdl
@@ -130,6 +131,17 @@ CASES = {
             THREE_PHASE,
             pause=300,
             outside=random_wires(3, 900, pins=1),
+        ),
+    ),
+    "sonar": (
+        Case("period=2 ms, timeout=300 us", {0: (*[1] * 30, 0)}, 900, answers=echoes, clocks=160_000),
+        Case(
+            "period=2300 us, timeout=100 us, failures_most=1",
+            {0: (1,)},
+            pause=300,
+            answers=echoes,
+            clocks=90_000,
+            clock_hz=2_000_000,
         ),
     ),
     "estop": (

@@ -67,6 +67,25 @@ def test_more_bits_than_the_chip_has_stop_elaboration(ghdl: Any) -> None:
     ghdl.refuse("absolute_encoder_tb", "a device of kind 2 has at most 14 bits, got 15", kind=2, bits=15)
 
 
+@pytest.mark.parametrize(("clock_hz", "rate_hz"), [(12_000_000, 1_000_000), (2_000_001, 300_000), (7, 7)])
+def test_ticker(ghdl: Any, clock_hz: int, rate_hz: int) -> None:
+    ghdl.run("ticker_tb", clock_hz=clock_hz, rate_hz=rate_hz)
+
+
+@pytest.mark.parametrize("failures_most", [1, 3])
+def test_sample_state(ghdl: Any, failures_most: int) -> None:
+    ghdl.run("sample_state_tb", failures_most=failures_most)
+
+
+@pytest.mark.parametrize("clock_hz", [4_000_000, 12_000_003])
+def test_sonar(ghdl: Any, clock_hz: int) -> None:
+    ghdl.run("sonar_tb", clock_hz=clock_hz)
+
+
+def test_an_echo_that_outlasts_the_period_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("sonar_tb", "must be over within period_us", timeout_us=2000)
+
+
 @pytest.mark.parametrize(
     ("stable_clocks", "generics"),
     [(2, {}), (1, {"time_hz": 4_000_000, "with_gate": 0, "with_frequency": 1})],

@@ -309,6 +309,13 @@ ROWS = (
         memories_most=2,
     ),
     Row(
+        "sonar",
+        "a component: a distance sensor with trigger and echo",
+        top="sonar",
+        cells_most=195,
+        mhz_least=50.0,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

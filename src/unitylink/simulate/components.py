@@ -11,6 +11,7 @@ from unitylink.interface.components import ComponentConfiguration
 
 from .bus_servo import BusServo
 from .device_registers import DeviceRegisters
+from .distance_sensor import DistanceSensor
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
 
@@ -54,6 +55,7 @@ class BoardComponent:
         self._controllers: dict[int, SpeedController] = {}
         self._servos: dict[int, BusServo] = {}
         self._serial: SerialEnd | None = None
+        self._distance_sensor: DistanceSensor | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -226,6 +228,22 @@ class BoardComponent:
                 raise self._without_pins()
             self._controllers[channel] = SpeedController(DeviceRegisters(found, self.configuration.path))
         return self._controllers[channel]
+
+    def distance_sensor(self) -> DistanceSensor:
+        """Return the sensor at the lines of a `sonar`. The first call puts it there.
+
+        sensor = board.components["front"].distance_sensor()
+        sensor.see(0.75)  # m
+        """
+        if self._distance_sensor is None:
+            pins = self._pin("out", "trigger", 0), self._pin("in", "echo", 0)
+            clock_hz = int(dict(self.configuration.generics)["clock_hz"])
+            found = self._native.attach_distance(self._number, pins, clock_hz / 1e6)
+            if found is None:
+                raise self._without_pins()
+            registers = DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz)
+            self._distance_sensor = DistanceSensor(registers)
+        return self._distance_sensor
 
     def servo(self, number: int = 0) -> BusServo:
         """Return one of the servos of a `servo_bus`. The first call puts it there.

@@ -77,6 +77,13 @@ struct I2cLines {
   std::uint8_t width = 1;
 };
 
-using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines>;
+// The lines of a distance sensor: places among the outputs and the inputs. `us` is the clocks of a microsecond.
+struct DistanceLines {
+  std::uint32_t trigger = 0;
+  std::uint32_t echo = 0;
+  double us = 1;
+};
+
+using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines>;
 
 }  // namespace unitylink::device

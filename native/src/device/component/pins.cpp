@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "device/component/bus_servo.hpp"
+#include "device/component/distance_sensor.hpp"
 #include "device/component/i2c_registers.hpp"
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
@@ -38,6 +39,7 @@ std::uint32_t device_place(const SpiLines& lines) noexcept { return lines.select
 std::uint32_t device_place(const EscLines& lines) noexcept { return lines.out; }
 std::uint32_t device_place(const I2cLines& lines) noexcept { return lines.scl_drive; }
 std::uint32_t device_place(const ServoLines& lines) noexcept { return lines.out + 256u * lines.id; }
+std::uint32_t device_place(const DistanceLines& lines) noexcept { return lines.trigger; }
 
 }  // namespace
 
@@ -135,6 +137,13 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const I2cLin
     }
   }
   return std::make_unique<I2cRegisters>(*this, component, lines, now);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const DistanceLines& lines, Clock now) {
+  if (output(component, lines.trigger, now) == nullptr || !drive(component, lines.echo, false, now)) {
+    return nullptr;
+  }
+  return std::make_unique<DistanceSensor>(*this, component, lines, now);
 }
 
 BusDevice* Pins::attached(std::uint32_t component, std::uint32_t place) const noexcept {

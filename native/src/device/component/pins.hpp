@@ -92,6 +92,7 @@ class Pins {
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const EscLines& lines, Clock now);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const ServoLines& lines, Clock now);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const I2cLines& lines, Clock now);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const DistanceLines& lines, Clock now);
 
   struct Shaft {
     std::int64_t counts = 0;  // that the lines show
