@@ -11,6 +11,7 @@ import pytest
 from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.clock_true_faults import FAULTS
+from gateware.clock_true_serial import SERIAL_CASES
 from gateware.clock_true_words import (
     ABSOLUTE_ENCODER,
     CHECKED,
@@ -22,7 +23,6 @@ from gateware.clock_true_words import (
     PID,
     PROFILE,
     PULSES,
-    SERVO_BUS,
     SHAFT,
     SHORT,
     THREE_PHASE,
@@ -32,8 +32,6 @@ from gateware.clock_true_words import (
 from gateware.dshot_line import replies_of_dshot
 from gateware.random_wires import random_wires
 from gateware.sensor_lines import echoes
-from gateware.serial_line import serial_line
-from gateware.servo_line import replies_of_servos
 from gateware.simulators import Ghdl
 
 from unitylink import _native
@@ -42,6 +40,7 @@ from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
 
 CASES = {
+    **SERIAL_CASES,
     "stepgen": (
         Case(
             "axes=2",
@@ -174,46 +173,6 @@ CASES = {
             outside=replies_of_dshot,
         ),
         Case("channels=1, kbaud=120, frame_hz=1500, bidirectional=1", pause=200, quiet=400),
-    ),
-    "servo_bus": (
-        Case(
-            "servos=2, baud_hz=230400, cycle_hz=200, timeout_us=300, failures_most=2",
-            SERVO_BUS,
-            900,
-            clocks=240_000,
-            answers=replies_of_servos,
-        ),
-        Case(
-            "servos=2, protocol=1, baud_hz=280000, cycle_hz=450, timeout_us=200, gap_us=7, failures_most=2",
-            SERVO_BUS,
-            900,
-            clocks=160_000,
-            answers=replies_of_servos,
-        ),
-        Case(
-            "servos=1, protocol=1, baud_hz=57600, cycle_hz=400, timeout_us=20, gap_us=1",
-            SERVO_BUS,
-            300,
-        ),
-    ),
-    "uart_bridge": (
-        Case(
-            "baud_hz=50000, hold=600 us, depth=4",
-            {0: (0x55, 0, 0xFF), 2: (0, 0, 0, 4)},
-            pause=400,
-            outside=serial_line,
-            clocks=60_000,
-            clock_hz=400_000,
-        ),
-        Case(
-            "baud_hz=38400, parity=1, stop_bits=2, half_duplex=1, depth=2",
-            {2: (4, 0, 0, 3)},
-            pause=900,
-            outside=serial_line,
-            clocks=40_000,
-            clock_hz=400_000,
-        ),
-        Case("baud_hz=50000, parity=2, depth=8", pause=200, quiet=300, clock_hz=400_000),
     ),
     "i2c_device": (
         Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),

@@ -120,6 +120,24 @@ def test_pulses_that_the_clock_cannot_give_stop_elaboration(ghdl: Any) -> None:
 
 
 @pytest.mark.parametrize(
+    "generics",
+    [
+        {},
+        {"clock_hz": 1_000_000, "channels": 5, "inverted": 0, "lost_us": 0},
+        {"protocol": 0, "channels": 3, "inverted": 0, "seed": 2},
+        {"protocol": 0, "channels": 2, "inverted": 1, "clock_hz": 9_000_000},
+    ],
+)
+def test_rc_receiver(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("rc_receiver_tb", **generics)
+
+
+def test_a_clock_that_is_too_slow_for_a_remote_control_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("rc_receiver_tb", "a rate of 8000000 Hz is above its clock", protocol=0, clock_hz=7_999_999)
+    ghdl.refuse("rc_receiver_tb", "a rate of 1000000 Hz is above its clock of 999999", clock_hz=999_999)
+
+
+@pytest.mark.parametrize(
     ("clock_hz", "modulator_hz", "osr"), [(50_000_000, 10_000_000, 64), (48_000_000, 12_000_000, 40)]
 )
 def test_sigma_delta_adc(ghdl: Any, clock_hz: int, modulator_hz: int, osr: int) -> None:

@@ -254,6 +254,12 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "rc_receiver",
+        "a component: the 16 channels of a remote control with S.Bus",
+        top="rc_receiver",
+        mhz_least=50.0,
+    ),
+    Row(
         "pulse_generator",
         "a component: pulses of an exact rate and width on a line",
         top="pulse_generator",

@@ -12,6 +12,7 @@ from unitylink.interface.components import ComponentConfiguration
 from .bus_servo import BusServo
 from .device_registers import DeviceRegisters
 from .distance_sensor import DistanceSensor
+from .radio import Radio
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
 
@@ -56,6 +57,7 @@ class BoardComponent:
         self._servos: dict[int, BusServo] = {}
         self._serial: SerialEnd | None = None
         self._distance_sensor: DistanceSensor | None = None
+        self._radio: Radio | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -160,6 +162,17 @@ class BoardComponent:
         elif baud_hz:
             self._serial.baud_hz = baud_hz
         return self._serial
+
+    def radio(self) -> Radio:
+        """Return the receiver of a remote control at an `rc_receiver`. The first call puts it there.
+
+        board.components["pilot"].radio().send([1500.0] * 8)  # a frame, in microseconds
+        """
+        if self._radio is None:
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            self._radio = Radio(self, sbus=bool(facts["protocol"]), inverted=bool(facts["inverted"]))
+            self.drive("line", self._radio.rests_high)
+        return self._radio
 
     @property
     def device(self) -> DeviceRegisters:

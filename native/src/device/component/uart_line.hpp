@@ -85,6 +85,8 @@ class UartReceiver {
     moves_until_ = std::max(moves_until_, edge + 5);
     next_ = std::min(next_, edge);
   }
+  // The line is high at first, unlike the pins: it is an inverted one.
+  void begin_high() noexcept { settled_ = true; }
   // From the next edge on it has this rate. It is in reset then.
   void tune(std::uint64_t clock_hz, std::uint64_t baud_hz) {
     rate_ = Tick(clock_hz, baud_hz);
