@@ -17,6 +17,7 @@
 #include "device/device.hpp"
 #include "device/rtl_device.hpp"
 #include "device/word_plant.hpp"
+#include "interpreter_state.hpp"
 
 namespace nb = nanobind;
 
@@ -170,34 +171,6 @@ class PythonBoard final : public Board {
   }
 };
 
-// The Python state of a thread that C++ has started. It is kept from the first call to the end of the thread, because
-// making it for each step of a plant takes longer than a small step. If the program ends before the thread, the state
-// is not freed, because the interpreter does not run any more.
-class InterpreterState {
- public:
-  InterpreterState() : held_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
-  InterpreterState(const InterpreterState&) = delete;
-  InterpreterState& operator=(const InterpreterState&) = delete;
-  ~InterpreterState() {
-    if (!ending()) {
-      PyEval_RestoreThread(state_);
-      PyGILState_Release(held_);
-    }
-  }
-
- private:
-  static bool ending() noexcept {
-#if PY_VERSION_HEX >= 0x030D0000
-    return Py_IsFinalizing() != 0;
-#else
-    return _Py_IsFinalizing() != 0;
-#endif
-  }
-
-  PyGILState_STATE held_;
-  PyThreadState* state_;
-};
-
 PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind,
                         nb::handle model) {
   DeviceConfiguration chosen = configuration_of(configuration);
@@ -312,8 +285,10 @@ void bind_board(nb::module_& module) {
       .def(
           "set_plant",
           [](PythonBoard& self, double period_s, nb::callable step) {
-            self.set_plant({period_s, [step](double time_s) {
-                              thread_local const InterpreterState kept;
+            self.set_plant({period_s, [step, &self](double time_s) {
+                              if (!self.in_steps()) {  // else it is a thread of Python, which has its state
+                                keep_interpreter_state();
+                              }
                               const nb::gil_scoped_acquire acquired;
                               try {
                                 return nb::cast<bool>(step(time_s));
@@ -344,7 +319,21 @@ void bind_board(nb::module_& module) {
                             }});
           },
           nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
-      .def("start", &Board::start)
+      .def(
+          "start",
+          [](PythonBoard& self, bool in_steps) {
+            std::string problem;
+            try {
+              const GilRelease released;
+              self.start(in_steps);
+              return;
+            } catch (const TimeConflict& conflict) {
+              problem = conflict.what();
+            }
+            raise_error("UnityLinkError", problem);
+          },
+          nb::arg("in_steps") = false)
+      .def_prop_ro("in_steps", &PythonBoard::in_steps)
       .def("stop", &Board::stop, Release())
       .def("url",
            [](PythonBoard& self) {

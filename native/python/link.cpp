@@ -424,7 +424,6 @@ void bind_link(nb::module_& module) {
       .def("notify_publishes", &Link::notify_publishes, "descriptor"_a, nb::call_guard<GilRelease>())
       .def("forget_notification", &Link::forget_notification, "descriptor"_a, nb::call_guard<GilRelease>())
       .def("statistics", &statistics)
-      .def("now_s", [](const Link& self) { return static_cast<double>(self.now_ns()) / 1e9; })
       .def_prop_ro("warning", &Link::warning, nb::call_guard<GilRelease>())
       .def_prop_ro("configuration", &configuration)
       .def_prop_ro("usable_group_size", &Link::usable_group_size)

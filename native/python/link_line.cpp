@@ -62,7 +62,22 @@ void bind_line(nb::class_<Link>& link) {
   link.def("wait_up", &wait_up, "timeout_s"_a)
       .def("events", &events, "since"_a)
       .def_prop_ro("trouble", &trouble)
-      .def_prop_ro("generation", &Link::generation);
+      .def_prop_ro("generation", &Link::generation)
+      .def_prop_ro("now_ns", &Link::now_ns)
+      .def_prop_ro("in_steps", &Link::in_steps)
+      .def(
+          "pass_until",
+          [](Link& self, std::uint64_t until_ns) {
+            Outcome outcome;
+            {
+              GilRelease release;
+              outcome = self.pass(until_ns);
+            }
+            raise_unless_ok(outcome);
+          },
+          "until_ns"_a,
+          "Waits until now_ns is `until_ns`. In steps, the boards and links of the process advance so far.")
+      .def("now_s", [](const Link& self) { return static_cast<double>(self.now_ns()) / 1e9; });
 }
 
 }  // namespace unitylink::python

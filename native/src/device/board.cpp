@@ -7,7 +7,9 @@
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <unistd.h>
+#include <utility>
 
+#include "device/board_time.hpp"
 #include "device/device.hpp"
 #include "layer0_driver/polling.hpp"
 
@@ -15,7 +17,6 @@ namespace unitylink::device {
 
 namespace {
 
-constexpr std::uint64_t second_ns = 1'000'000'000;
 // Without a line, the device may run so far ahead of real time. So a reply is sent at once, and not after a timer.
 constexpr std::uint64_t lead_ns = 200'000;
 constexpr std::uint64_t pause_least_ns = 100'000;  // the thread's shortest pause when only the clock can give it work
@@ -26,15 +27,6 @@ constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;
 // time to answer a client that sends nothing more but still reads
 constexpr std::uint64_t linger_ns = 500'000'000;
 constexpr std::size_t chunk = 16384;
-
-// In two parts: clock_hz times nanoseconds overflows within a day.
-Clock clocks(std::uint64_t ns, std::uint32_t clock_hz) noexcept {
-  return ns / second_ns * clock_hz + ns % second_ns * clock_hz / second_ns;
-}
-
-std::uint64_t nanoseconds(Clock clock, std::uint32_t clock_hz) noexcept {
-  return clock / clock_hz * second_ns + clock % clock_hz * second_ns / clock_hz;
-}
 
 }  // namespace
 
@@ -58,10 +50,18 @@ void Board::set_plant(PlantHook hook) {
   plant_next_ = plant_.step ? 0 : never;
 }
 
-void Board::start() {
+void Board::start(bool in_steps) {
+  RobotTime::here().claim(in_steps);
+  started_ = true;
+  in_steps_ = in_steps;
   started_ns_ = real_ns();
   start_ns_ = RobotTime::here().now_ns(started_ns_);
-  thread_ = std::thread([this] { serve(); });
+  if (in_steps) {
+    lead_ = 0;
+    Lockstep::here().join(*this);
+  } else {
+    thread_ = std::thread([this] { serve(); });
+  }
 }
 
 void Board::stop() {
@@ -69,6 +69,14 @@ void Board::stop() {
   wake();
   if (thread_.joinable() && thread_.get_id() != std::this_thread::get_id()) {
     thread_.join();
+  }
+  if (in_steps_) {
+    Lockstep::here().leave(*this);
+    const auto lock = enter();
+    end();
+  }
+  if (!thread_.joinable() && std::exchange(started_, false)) {
+    RobotTime::here().release(in_steps_);
   }
 }
 
@@ -81,12 +89,12 @@ Clock Board::clock_now() const noexcept {
   return clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_;
 }
 
-std::uint64_t Board::due_ns(Clock clock) const noexcept {
+std::uint64_t Board::robot_ns(Clock clock) const noexcept {
   return clock == never ? RobotTime::idle : start_ns_ + nanoseconds(clock + slip_, configuration().clock_hz);
 }
 
 // Reports when the next work of this board is due. The other boards need not wait until then.
-void Board::tell_due() { follower_.due(due_ns(std::min(device_->next_event(), plant_next_))); }
+void Board::tell_due() { follower_.due(robot_ns(std::min(device_->next_event(), plant_next_))); }
 
 std::unique_lock<std::mutex> Board::enter() {
   board_waits_.wait(true);
@@ -138,6 +146,10 @@ void Board::serve() {
       wait(lock);
     }
   }
+  end();
+}
+
+void Board::end() {
   endpoint_.reset();  // this shows the client that the board has ended
   follower_.due(RobotTime::idle);
 }
@@ -216,19 +228,27 @@ void Board::forget_output() {
   at_rest_ = true;
 }
 
+// Takes what has left the device. False: there is nothing to send.
+bool Board::gather() {
+  if (output_sent_ == output_.size()) {
+    output_.clear();
+    output_sent_ = 0;
+  }
+  TimedByte byte;
+  while (output_.size() < chunk && device_->take(byte)) {
+    output_.push_back(byte.byte);
+  }
+  if (output_.empty()) {
+    return false;
+  }
+  at_rest_ = output_.back() == '\n' || output_.back() == protocol::frame::delimiter;
+  return true;
+}
+
 void Board::flush() {
   for (;;) {
-    if (output_sent_ == output_.size()) {
-      output_.clear();
-      output_sent_ = 0;
-      TimedByte byte;
-      while (output_.size() < chunk && device_->take(byte)) {
-        output_.push_back(byte.byte);
-      }
-      if (output_.empty()) {
-        return;
-      }
-      at_rest_ = output_.back() == '\n' || output_.back() == protocol::frame::delimiter;
+    if (output_sent_ == output_.size() && !gather()) {
+      return;
     }
     if (!endpoint_->has_client()) {
       statistics_.bytes_dropped += output_.size() - output_sent_;
@@ -240,6 +260,7 @@ void Board::flush() {
     if (output_blocked_) {
       return;
     }
+    bytes_out_ += sent.bytes;
     output_sent_ += sent.bytes;  // 0 if the client has left; the next round drops the rest
   }
 }
@@ -262,7 +283,7 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
   }
   std::uint64_t pause_ns = never;
   if (next != never) {
-    const std::uint64_t due = due_ns(next - std::min(next, lead_));
+    const std::uint64_t due = robot_ns(next - std::min(next, lead_));
     const std::uint64_t now = RobotTime::here().now_ns();
     pause_ns = std::max(pause_least_ns, due > now ? due - now : 0);
   }
@@ -368,8 +389,9 @@ BoardStatistics Board::statistics() {
   BoardStatistics told = statistics_;
   const std::uint64_t real = real_ns();
   const std::uint64_t robot = RobotTime::here().now_ns(real) - start_ns_;
-  told.time_slipped_s +=
-      static_cast<double>(real - started_ns_ - std::min(real - started_ns_, robot)) / static_cast<double>(second_ns);
+  told.time_slipped_s += in_steps_ ? 0.0
+                                   : static_cast<double>(real - started_ns_ - std::min(real - started_ns_, robot)) /
+                                         static_cast<double>(second_ns);
   return told;
 }
 

@@ -15,6 +15,7 @@
 #include "device/endpoint.hpp"
 #include "device/served_device.hpp"
 #include "device/tosnet.hpp"
+#include "layer0_driver/lockstep.hpp"
 #include "layer0_driver/robot_time.hpp"
 
 namespace unitylink::device {
@@ -46,17 +47,17 @@ struct SeenPin {
 // A client that leaves frees the board, and its settings stay. Publishing continues without a client, as on a real
 // board. A client that does not read fills the transmit FIFO, and the device stops, as gateware does. All calls may
 // come from any thread.
-class Board {
+class Board : private Lockstep::Member {
  public:
   Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint);
   // Serves the twin. `configuration.problem()` must be empty.
   Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint);
-  ~Board();
-  Board(const Board&) = delete;
-  Board& operator=(const Board&) = delete;
+  ~Board() override;
 
   void set_plant(PlantHook hook);  // before start()
-  void start();
+  // In steps, it has no thread: whoever waits at a link runs it. Throws TimeConflict.
+  void start(bool in_steps = false);
+  [[nodiscard]] bool in_steps() const noexcept { return in_steps_; }
   // Idempotent. Waits for the thread, and so for a step of the plant, unless this step itself calls it.
   void stop();
 
@@ -97,16 +98,23 @@ class Board {
   void let_in(std::unique_lock<std::mutex>& lock);
 
   void serve();
+  void end();
+  // in steps (board_steps.cpp)
+  [[nodiscard]] std::uint64_t due_ns() noexcept override;
+  void take_in() noexcept override;
+  bool work(std::uint64_t until_ns) noexcept override;
+  [[nodiscard]] Clock next_clock() const noexcept;
   [[nodiscard]] Clock in_time(Clock target);
   [[nodiscard]] Clock within_reach(Clock target) const noexcept;
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
   void wait(std::unique_lock<std::mutex>& lock);
   bool feed();
+  [[nodiscard]] bool gather();
   void flush();
   void forget_output();
   void wake();
   void tell_due();
-  [[nodiscard]] std::uint64_t due_ns(Clock clock) const noexcept;
+  [[nodiscard]] std::uint64_t robot_ns(Clock clock) const noexcept;
   [[nodiscard]] Clock clock_now() const noexcept;
 
   std::mutex mutex_;
@@ -120,6 +128,7 @@ class Board {
   BoardStatistics statistics_;
   std::vector<std::uint8_t> output_;  // taken from the device and not yet sent
   std::size_t output_sent_ = 0;
+  std::uint64_t bytes_out_ = 0;  // sent to clients so far
   bool output_blocked_ = false;
   bool fed_ = false;              // the device has just got bytes
   bool at_rest_ = true;           // the last byte sent ended a message
@@ -131,6 +140,8 @@ class Board {
   Clock linger_until_ = 0;  // when a client that sends nothing more is dismissed
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
+  bool in_steps_ = false;
+  bool started_ = false;
   std::thread thread_;
 };
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr Clock reset_clocks = 4;
 constexpr Clock chunk_clocks = 4096;      // about a millisecond of work
+constexpr Clock unseen_clocks = 10;       // in steps
 constexpr Clock looks_per_second = 2000;  // for output without a request
 
 // The library stays mapped, because a model may leave thread-local destructors behind.
@@ -179,6 +180,8 @@ void RtlDevice::run_until(Clock clock) {
 }
 
 Clock RtlDevice::most_at_once() const noexcept { return chunk_clocks; }
+
+Clock RtlDevice::most_unseen() const noexcept { return unseen_clocks; }
 
 Clock RtlDevice::next_event() const noexcept {
   return has_failed() ? never : clock_ + std::max<Clock>(1, configuration_.clock_hz / looks_per_second);

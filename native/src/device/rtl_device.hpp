@@ -45,6 +45,7 @@ class RtlDevice final : public ServedDevice {
   void set_event(std::uint32_t group, bool high) override;
   void run_until(Clock clock) override;
   [[nodiscard]] Clock most_at_once() const noexcept override;
+  [[nodiscard]] Clock most_unseen() const noexcept override;
   [[nodiscard]] Clock next_event() const noexcept override;
   bool take(TimedByte& byte) noexcept override;
   [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }

@@ -49,6 +49,8 @@ class ServedDevice {
   virtual void run_until(Clock clock) = 0;
   // The most clocks to run at once, so that the board can serve its client in between.
   [[nodiscard]] virtual Clock most_at_once() const noexcept { return never; }
+  // The most clocks to run before its output is looked at, if another part of the process waits for it in device time.
+  [[nodiscard]] virtual Clock most_unseen() const noexcept { return never / 2; }
   // When something will happen, or must be checked, without input from outside.
   [[nodiscard]] virtual Clock next_event() const noexcept = 0;
 

@@ -36,8 +36,44 @@ void RobotTime::Follower::due(std::uint64_t robot_ns) noexcept {
   }
 }
 
-std::uint64_t RobotTime::now_ns(std::uint64_t real) noexcept {
+void RobotTime::claim(bool in_steps) {
   const std::scoped_lock lock(mutex_);
+  if (boards_ > 0 && in_steps_ != in_steps) {
+    throw TimeConflict(in_steps ? "the other virtual boards of this process follow real time, so this one cannot go in "
+                                  "steps; close them first, or give them time=lockstep, too"
+                                : "the other virtual boards of this process go in steps (time=lockstep), so this one "
+                                  "cannot follow real time; close them first, or give this one time=lockstep, too");
+  }
+  if (boards_ == 0 && in_steps) {
+    last_ns_ = stepped_start_ns;
+    in_steps_ = true;
+  }
+  ++boards_;
+}
+
+void RobotTime::release(bool in_steps) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (--boards_ == 0 && in_steps) {
+    in_steps_ = false;
+    last_ns_ = slip_ns_ = 0;
+  }
+}
+
+void RobotTime::step_to(std::uint64_t robot_ns) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (in_steps_) {
+    last_ns_ = std::max(last_ns_.load(), robot_ns);
+  }
+}
+
+std::uint64_t RobotTime::now_ns(std::uint64_t real) noexcept {
+  if (in_steps_) {
+    return last_ns_;
+  }
+  const std::scoped_lock lock(mutex_);
+  if (in_steps_) {
+    return last_ns_;
+  }
   const std::uint64_t wanted = real - std::min(real, slip_ns_);
   if (wanted <= last_ns_) {  // another thread read the real time later, but came here first
     return last_ns_;
@@ -55,7 +91,7 @@ std::uint64_t RobotTime::now_ns(std::uint64_t real) noexcept {
       now = std::min(now, follower->due_ns_ + lag_most);
     }
   }
-  last_ns_ = std::max(now, last_ns_);
+  last_ns_ = std::max(now, last_ns_.load());
   slip_ns_ = real - last_ns_;
   return last_ns_;
 }

@@ -24,6 +24,7 @@ constexpr std::size_t terminal_chunk = 4095;
 constexpr int reads_per_turn_max = 16;
 constexpr std::uint64_t interruption_patience_ns = 100'000'000;
 constexpr std::uint64_t farewell_ns = 200'000'000;
+constexpr std::uint64_t seed_in_steps = 1;  // the same in each run
 constexpr const char* closed_here = "closed by this program";
 
 std::atomic<bool (*)() noexcept> ask_interrupted = nullptr;
@@ -38,13 +39,16 @@ void signal(int descriptor) noexcept {
 Link::Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options)
     : options_(options),
       clock_(driver->time_source()),
+      step_(step_of(*this, clock_)),
       driver_(std::move(driver)),
       source_(std::move(source)),
       wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       cancel_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       classic_(options.engine),
       pace_(options.spin_ns),
-      gateware_(options.gateware) {}
+      gateware_(options.gateware) {
+  join_steps();
+}
 
 Link::~Link() { close(); }
 
@@ -81,7 +85,9 @@ Outcome Link::open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource>
                    std::unique_ptr<Link>& link) {
   LinkOptions settled = options;
   settled.engine.byte_time_ns = driver->byte_time_ns();
-  if (settled.engine.seed == 0) {
+  if (settled.engine.seed == 0 && driver->time_source() != &real_ns && RobotTime::here().in_steps()) {
+    settled.engine.seed = seed_in_steps;
+  } else if (settled.engine.seed == 0) {
     std::random_device random;
     settled.engine.seed = std::uint64_t{random()} << 32 | random();
   }
@@ -258,8 +264,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns, int other) noexcept {
     }
   }
   if (ready == 0) {
-    const std::uint64_t now = now_ns();
-    ready = poll_for(waiting, until == Engine::no_deadline ? for_ever : until - std::min(until, now));
+    ready = poll_until(until, waiting);
   }
   const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
   if (ready > 0 && waiting[1].revents != 0) {
@@ -357,6 +362,7 @@ void Link::close() {
   }
   signal(cancel_descriptor_.get());
   stop_reader();
+  leave_steps();
   Lock lock(mutex_);
   while (leading_) {
     wake();

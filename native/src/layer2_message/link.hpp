@@ -21,6 +21,7 @@
 
 #include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/driver.hpp"
+#include "layer0_driver/lockstep.hpp"
 #include "layer2_message/classic_engine.hpp"
 #include "layer2_message/framed_engine.hpp"
 #include "layer2_message/link_options.hpp"
@@ -270,10 +271,15 @@ class Link {
 
   // The time of deadlines and publishes: real time, or the robot time of the virtual boards in this process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
+  // Whether this robot time goes in steps, while a call waits. Otherwise time passes by itself.
+  [[nodiscard]] bool in_steps() const noexcept { return step_ != nullptr; }
+  // Waits until now_ns() is `until_ns`. In steps, boards and links advance so far. closed: the link has ended.
+  [[nodiscard]] Outcome pass(std::uint64_t until_ns);
 
  private:
   struct Subscription;
   struct ExchangeLayout;
+  class Step;  // this link as a member of Lockstep (link_steps.cpp)
   using Lock = std::unique_lock<std::mutex>;
 
   Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options);
@@ -290,6 +296,7 @@ class Link {
   void wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept;
   void flush(std::uint64_t now) noexcept;
   void lead(Lock& lock, std::uint64_t until_ns, int other = -1) noexcept;
+  [[nodiscard]] int poll_until(std::uint64_t until_ns, std::span<pollfd> waiting) noexcept;
   [[nodiscard]] static bool interrupted(Lock& lock) noexcept;
   void hand_over() noexcept;
   void wake() noexcept;
@@ -323,6 +330,9 @@ class Link {
   [[nodiscard]] Outcome restore();
   [[nodiscard]] Outcome stop_closed_groups();
   [[nodiscard]] std::uint64_t look_ns() const noexcept;
+  [[nodiscard]] static std::unique_ptr<Lockstep::Member> step_of(Link& link, Driver::TimeSource clock);
+  void join_steps();
+  void leave_steps();
   [[nodiscard]] bool program_lives() const noexcept { return now_ns() < program_until_ns_; }
   void look_after(Lock& lock);
 
@@ -362,6 +372,7 @@ class Link {
 
   const LinkOptions options_;
   const Driver::TimeSource clock_;
+  const std::unique_ptr<Lockstep::Member> step_;  // nullptr: time passes by itself
   // Only the reader replaces it, with the mutex held and without a leader. nullptr while the line is gone.
   std::unique_ptr<Driver> driver_;
   std::unique_ptr<DriverSource> source_;  // opens the driver again; nullptr if the link was not opened by a URL

@@ -322,8 +322,8 @@ Outcome Link::trip(const RequestOptions& how) {
       const std::scoped_lock lock(mutex_);
       silent_until_ns_ = now_ns() + 2 * tick_ns + silence_margin_ns;
     }
-    while (now_ns() < silent_until_ns_) {
-      std::this_thread::sleep_for(std::chrono::nanoseconds(silence_margin_ns / 4));
+    if (outcome = pass(silent_until_ns_); !outcome.ok()) {
+      return outcome;
     }
     std::uint32_t state = 0;
     if (outcome = read_control(protocol::control::arm, std::span(&state, 1), how); !outcome.ok() || (state & 1) != 0) {

@@ -23,6 +23,9 @@ constexpr std::uint64_t reader_look_ns = 250'000'000;
 }  // namespace
 
 void Link::start_reader() {
+  if (step_ != nullptr) {  // then it is read whenever somebody waits
+    return;
+  }
   const std::scoped_lock guard(reader_mutex_);
   {
     const std::scoped_lock lock(mutex_);
@@ -56,7 +59,8 @@ void Link::stop_reader() {
 // Reads once for others, unless another thread reads or will soon read.
 void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_t until_ns) noexcept {
   const std::uint64_t now = now_ns();
-  const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
+  const std::uint64_t call_ns =
+      step_ != nullptr || last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
   const bool gone = line_ != Line::up;  // the reader opens it again, and calls announce() then
   if (leading_ || callers_ > 0 || now < call_ns || gone) {
     const std::uint64_t look_ns = std::min(until_ns, gone            ? now + gone_patience_ns

@@ -14,9 +14,15 @@ from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link, check_url
 
 _RECONNECT = re.compile(r"[?&]reconnect=")
+_TIME = re.compile(r"[?&]time=")
 
 
-def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Link:
+def connect(
+    url: str,
+    *,
+    reconnect: bool | Literal["auto"] | None = None,
+    time: Literal["real", "lockstep"] | None = None,
+) -> Link:
     """Return an open Link to the device that `url` names.
 
         connect("serial:/dev/ttyUSB0?baud=3000000")
@@ -41,6 +47,9 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
     `wait=SECONDS` reads wait that long instead. This is not for `fd:` and `mmap:`. `reconnect="auto"` does
     the same, if the URL says nothing else and names hardware that allows it.
 
+    With `time="lockstep"`, or `time=lockstep` in the URL, the time of a virtual board goes in steps. It
+    passes only while a call waits, as `Link.step` does (docs/lockstep.md).
+
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. All others have
     `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's buffers),
     `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`, or `none` for gateware without checksums, which
@@ -54,7 +63,13 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
     if reconnect == "auto":
         reconnect = True if scheme.lasting and not _RECONNECT.search(url) else None
     if reconnect is not None:
-        url = _with_reconnect(url, reconnect)
+        url = _with(url, "reconnect", str(int(reconnect)), _RECONNECT)
+    if time is not None:
+        if not scheme.virtual:
+            raise UrlError(
+                f"link URL {url!r}: time={time} is for virtual boards; the time of hardware passes"
+            )
+        url = _with(url, "time", time, _TIME)
     if scheme.make is None:
         return Link(url)
     device, driver_url = scheme.make(url)
@@ -85,10 +100,10 @@ def check_link(url: str) -> None:
         check_url(url)
 
 
-def _with_reconnect(url: str, reconnect: bool) -> str:
-    if _RECONNECT.search(url):
-        raise UrlError(f"link URL {url!r}: reconnect is given in the URL and as an argument; give it once")
-    return f"{url}{'&' if '?' in url else '?'}reconnect={int(reconnect)}"
+def _with(url: str, option: str, value: str, present: re.Pattern[str]) -> str:
+    if present.search(url):
+        raise UrlError(f"link URL {url!r}: {option} is given in the URL and as an argument; give it once")
+    return f"{url}{'&' if '?' in url else '?'}{option}={value}"
 
 
 @contextmanager

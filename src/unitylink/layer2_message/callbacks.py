@@ -58,6 +58,8 @@ class CallbackThread:
         with self._changed:
             if subscription not in self._subscriptions:
                 self._subscriptions = (*self._subscriptions, subscription)
+            if self._native.in_steps:  # then deliver_here() calls, so that each run is the same
+                return
             if self._thread is None or not self._thread.is_alive():
                 self._thread = threading.Thread(target=self._run, name="unitylink callbacks", daemon=True)
                 self._thread.start()
@@ -67,11 +69,25 @@ class CallbackThread:
             self._subscriptions = tuple(other for other in self._subscriptions if other is not subscription)
             self._changed.notify_all()
 
+    def deliver_here(self) -> None:
+        """Call the callbacks in this thread. It is for a link whose time goes in steps."""
+        if not self._native.in_steps or called_back():
+            return
+        _here.calls = True
+        try:
+            for subscription in self._subscriptions:
+                subscription.deliver()
+                if subscription.ended:
+                    self.remove(subscription)
+        finally:
+            _here.calls = False
+
     def finish(self, subscription: Deliverable) -> None:
         """Wait until the callback has had every publish of a subscription that has ended.
 
         A call that takes longer than STUCK_S is not waited for. It gives a RuntimeWarning.
         """
+        self.deliver_here()
         self._wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
 
     def disown(self) -> None:
@@ -87,6 +103,7 @@ class CallbackThread:
 
         A call that takes longer than STUCK_S is not waited for. It gives a RuntimeWarning.
         """
+        self.deliver_here()
         thread = self._thread
         if thread is threading.current_thread():
             for subscription in self._subscriptions:

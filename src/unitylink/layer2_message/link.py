@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 import warnings
 from collections.abc import Callable, Sequence
 from types import TracebackType
@@ -12,12 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from unitylink.errors import UnityLinkError
+
 from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health, checked_spec, told_notice
 from .exchange_group import ExchangeGroup, Word
 from .line import Line
+from .link_time import LinkTime
 from .mailbox import LoopMailbox
 from .native_link import Pairs, Words, open_link
 from .open_links import forget, remember
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Link(Line):
+class Link(Line, LinkTime):
     """A connection to one device. Every method may be called from any thread.
 
     `checked` asks for a checksum. None means the default of the link, which is the URL option `crc`. `repeat`
@@ -65,6 +67,7 @@ class Link(Line):
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._on_close: list[Callable[[], None]] = []
         self._unclosed = True
+        self._stepped_ns = self._native.now_ns  # when the last step ended
         remember(self)
 
     # ---- one word
@@ -264,6 +267,11 @@ class Link(Line):
         return self._mailbox().start(*request)
 
     def _mailbox(self) -> LoopMailbox:
+        if self.in_steps:
+            raise UnityLinkError(
+                f"{self.url}: with time=lockstep, time passes only while a call waits, and calls of asyncio "
+                "never do; use the others"
+            )
         loop = asyncio.get_running_loop()
         mailbox = self._mailboxes.get(loop)
         if mailbox is None:
@@ -296,28 +304,6 @@ class Link(Line):
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
         return Subscription(self._native, self._callbacks, identity, words, divisor, keep=self)
-
-    # ---- the link's time
-
-    def now_s(self) -> float:
-        """Return the time by which publishes and deadlines are given: `time.monotonic()` on a real board.
-
-        On a `sim:` or `rtl:` link it is robot time. It stands still while this machine is too busy to run the
-        virtual boards of the process (docs/rtl-simulation.md).
-        """
-        return self._native.now_s()
-
-    def sleep_until(self, time_s: float) -> None:
-        """Sleep until `now_s()` is `time_s`. With this, a program keeps the pace of the robot.
-
-        >>> due_s = link.now_s()                                             # doctest: +SKIP
-        >>> for target in path:                                              # doctest: +SKIP
-        ...     due_s += 0.02
-        ...     link.sleep_until(due_s)
-        ...     set_points.write(target)
-        """
-        while (left_s := time_s - self.now_s()) > 0:
-            time.sleep(left_s)
 
     # ---- the device itself
 

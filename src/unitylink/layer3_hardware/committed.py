@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -166,7 +165,7 @@ class CommittedProxy(HardwareProxy):
 
     def _burst(self, changes: dict[int, int], checked: bool | None, timeout_s: float | None) -> None:
         patience_s = self.commit_timeout_s if timeout_s is None else positive("timeout_s", timeout_s)
-        deadline = time.monotonic() + patience_s
+        deadline = self.control.now_s() + patience_s
         self._forget_old()
         if not self._settled:
             self._settle(deadline, committed=False)

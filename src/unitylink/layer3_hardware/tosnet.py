@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -95,7 +94,7 @@ class TosNetProxy(CommittedProxy):
             )
 
     def _settle(self, deadline: float, *, committed: bool) -> None:
-        started = time.monotonic()
+        started = self.control.now_s()
         polls = 0
         while True:
             status = self.status()
@@ -110,7 +109,7 @@ class TosNetProxy(CommittedProxy):
                 )
             if not status.commit_pending:
                 break
-            now = time.monotonic()
+            now = self.control.now_s()
             if now >= deadline:
                 what = "this write takes effect when it does" if committed else "nothing was written"
                 raise LinkTimeout(
@@ -120,6 +119,7 @@ class TosNetProxy(CommittedProxy):
                     attempts=polls,
                     elapsed_s=now - started,
                 )
+            self.control.pause_between_looks()
         if committed and status.commit_aborted:
             raise NetworkError(
                 "the commit was aborted: another program wrote to the network's memory while it was pending; "

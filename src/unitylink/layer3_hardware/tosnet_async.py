@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import TYPE_CHECKING
 
 from unitylink import protocol
@@ -41,7 +40,7 @@ class TosNetAsync:
             raise ValueRangeError(f"tosnet: node {shown(node_id)} is not in 0..15 (0 = all)")
         if not data:
             raise ValueRangeError("tosnet: there are not bytes to send")
-        deadline = time.monotonic() + timeout_s
+        deadline = self._link.now_s() + timeout_s
         with self._lock:
             control = None
             for start in range(0, len(data), 4):
@@ -57,13 +56,14 @@ class TosNetAsync:
     def _wait_for_space(self, deadline: float, timeout_s: float, sent: int) -> None:
         address = self._base + protocol.TOSNET_ASYNC_TX_STATUS
         while self._link.read(address) >> FULL_BIT & 1:
-            if time.monotonic() >= deadline:
+            if self._link.now_s() >= deadline:
                 raise LinkTimeout(
                     f"tosnet: the asynchronous FIFO stayed full for {timeout_s:g} s; "
                     f"{sent} bytes were taken before",
                     address=address,
                     elapsed_s=timeout_s,
                 )
+            self._link.pause_between_looks()
 
     def receive(self) -> list[tuple[int, bytes]]:
         messages: list[tuple[int, bytes]] = []

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from unitylink.errors import LinkClosed, LinkError
+from unitylink.errors import LinkClosed, LinkError, UnityLinkError
 
 from .listeners import logger
 
@@ -25,6 +25,11 @@ class Poller:
 
     def __init__(self, plan: PublishPlan, deliver: Callable[[float, Sequence[int]], None]) -> None:
         self.lost = 0
+        if plan.link.in_steps:
+            raise UnityLinkError(
+                f"{plan.values[0].path} has no PUBLISH, so it is polled, and with time=lockstep no time "
+                "passes by itself; read it after each step, or give it a PUBLISH"
+            )
         self._plan = plan
         self._deliver = deliver
         self._stop = threading.Event()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A virtual board: the twin of the classic gateware, served on an endpoint.
+"""A virtual board: the twin of the gateware, served on an endpoint.
 
-Its clock follows the real one.
+Its clock follows the real one, or goes in steps.
 """
 
 from __future__ import annotations
@@ -56,7 +56,9 @@ class Board:
 
     `endpoint` is one of these: "fd" is a descriptor for a link in this process, and the link then owns it.
     Once that link has closed, `url` names a new one. "pty" or "pty:PATH" is a serial port in software.
-    "tcp[:PORT]" and "udp[:PORT]" are at the local address `bind`.
+    "tcp[:PORT]" and "udp[:PORT]" are at the local address `bind`. "lockstep" is as "fd", but the time of
+    the board goes in steps. It passes only while a call of a link waits (docs/lockstep.md). Either all
+    virtual boards of a process follow real time, or all go in steps.
 
     There is one client at a time. A second one gets "?busy". When a client leaves, the board is free, and all
     settings stay. Publishing goes on, as on a real board. A UDP client may vanish without a message. This is
@@ -88,7 +90,8 @@ class Board:
         self.spec = spec
         self.plant = plant
         self._plant_error: UnityLinkError | None = None
-        self._native = self._make_native(endpoint, bind)
+        in_steps = endpoint == "lockstep"
+        self._native = self._make_native("fd" if in_steps else endpoint, bind)
         self.components = BoardComponents(self._native, configuration.components)
         self.registers = Registers(self._native, configuration.data_bits, self.components)
         self._closed = False
@@ -96,7 +99,7 @@ class Board:
             self._power_up(spec)
         if plant is not None:
             self._attach(plant)
-        self._native.start()
+        self._native.start(in_steps)
         _open.add(self)
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:

@@ -34,15 +34,21 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
-    others are the link's. Its `timeout=` is 1 here. With `reconnect=1`, the board is reached over TCP on this
-    computer. For tests, `link.board.hang_up()` breaks this line. Close the board after the link.
+    others are the link's. Its `timeout=` is 1 here. With `time=lockstep`, time goes in steps
+    (docs/lockstep.md). With `reconnect=1`, the board is reached over TCP on this computer. For tests,
+    `link.board.hang_up()` breaks this line. Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
     """
     kind, path, options = _parts_of(url)
     settings = _settings_in(url, options)
     # a line that is opened again needs a name, and a descriptor has none
-    endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
+    lasts = options.get("reconnect", "0") != "0"
+    endpoint = "tcp" if lasts else "fd"
+    if _in_steps(url, options):
+        if lasts:
+            raise UrlError(f"{url!r}: a line in steps is never lost; leave out reconnect= or time=lockstep")
+        endpoint = "lockstep"
     board = _KINDS[kind](url, path, options, settings, endpoint)
     options.setdefault("timeout", _TIMEOUT_S[kind])
     if board.configuration.protocol == "framed":  # a request in text would only cost time
@@ -61,6 +67,7 @@ def check_simulated(url: str) -> None:
     Raises UrlError or SpecError.
     """
     _, path, options = _parts_of(url)
+    _in_steps(url, options)
     _spec_in(url, path, options)
     _settings_in(url, options)
 
@@ -77,6 +84,14 @@ def _parts_of(url: str) -> tuple[str, str, dict[str, str]]:
     except ValueError as error:
         raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
     return kind, path, options
+
+
+def _in_steps(url: str, options: dict[str, str]) -> bool:
+    """Take `time=` out of the options. Does it say that time goes in steps?"""
+    time = options.pop("time", "real")
+    if time not in ("real", "lockstep"):
+        raise UrlError(f"{url!r}: time={time}; expected real or lockstep")
+    return time == "lockstep"
 
 
 def _spec_in(url: str, path: str, options: dict[str, str]) -> Spec:

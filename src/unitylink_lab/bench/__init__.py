@@ -60,6 +60,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     "dds-delay": ("ros", "measure_dds_delay"),
     "ros-joints": ("ros", "measure_joints"),
     "rtl": ("rtl", "measure"),
+    "lockstep": ("lockstep", "measure_twin"),
+    "lockstep-rtl": ("lockstep", "measure_rtl"),
     "import": ("start_up", "measure_import"),
     "version": ("start_up", "measure_version"),
 }

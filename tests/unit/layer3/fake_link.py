@@ -187,6 +187,11 @@ class FakeLink:
     notice: str = ""
     unverified: str = "it is a fake"
 
+    in_steps = False
+
+    def pause_between_looks(self) -> None:
+        pass
+
     generation = 0  # constant, because the device never restarts and the line is never lost
 
     def __post_init__(self) -> None:

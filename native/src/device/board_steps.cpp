@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A board in steps: its work is done by the thread that waits at a link (lockstep.hpp).
+#include <algorithm>
+
+#include "device/board.hpp"
+#include "device/board_time.hpp"
+
+namespace unitylink::device {
+
+namespace {
+
+constexpr std::size_t output_most = 1024;
+
+}  // namespace
+
+// When the device does something by itself, or something comes out of it.
+Clock Board::next_clock() const noexcept {
+  const Clock next = std::min(device_->next_event(), plant_next_);
+  return output_blocked_ ? next : std::min(next, device_->next_output());
+}
+
+std::uint64_t Board::due_ns() noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Clock next = next_clock();
+  // rounded up: at the nanosecond before it, the clock has not come, and nothing would be done
+  return next == never ? RobotTime::idle : start_ns_ + nanoseconds_up(next, configuration().clock_hz);
+}
+
+void Board::take_in() noexcept {
+  const std::scoped_lock lock(mutex_);
+  bool more = !stop_;
+  if (more) {
+    device_->run_until(std::min(clock_now(), plant_next_));
+  }
+  while (more) {
+    if (endpoint_->admit(at_rest_)) {
+      ++statistics_.clients;
+      forget_output();
+    }
+    if (output_blocked_) {
+      flush();
+    }
+    more = feed();
+  }
+}
+
+bool Board::work(std::uint64_t until_ns) noexcept {
+  std::unique_lock lock(mutex_);
+  const Clock until = clocks(until_ns - start_ns_, configuration().clock_hz);
+  const std::uint64_t sent = bytes_out_;
+  bool whole = false;
+  while (!whole) {
+    const Clock clock = std::min(next_clock(), device_->clock() + device_->most_unseen());
+    if (clock > until) {
+      break;
+    }
+    RobotTime::here().step_to(start_ns_ + nanoseconds_up(clock, configuration().clock_hz));
+    step_plant(lock, clock);
+    if (stop_) {  // the plant has closed its own board
+      return true;
+    }
+    device_->run_until(clock);
+    whole = gather() && (at_rest_ || output_.size() >= output_most);  // a message goes out as a whole, in one call
+  }
+  flush();
+  return bytes_out_ != sent;
+}
+
+}  // namespace unitylink::device

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Time in steps: it passes only while a call waits, and the same calls give the same bytes."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from unitylink import connect
+from unitylink.capture.pcapng import read_packets
+from unitylink.errors import LinkClosed, UnityLinkError, UrlError, ValueRangeError
+from unitylink.layer2_message import Link
+from unitylink.simulate import Board, BoardConfiguration, Registers
+from unitylink.spec import Spec, compile_text
+
+TEXT = """
+public cart() {
+   @position = 0x10: i32 READ(UNIT="mm", PUBLISH(100 Hz));
+   @speed = 0x20: i32 WRITE(SAFE=0);
+}
+"""
+
+
+class Cart:
+    """It moves by `speed` in each step of a millisecond."""
+
+    period_s = 0.001
+
+    def __init__(self) -> None:
+        self.times_s: list[float] = []
+        self.position = 0
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        self._registers = registers
+
+    def step(self, time_s: float) -> None:
+        self.times_s.append(time_s)
+        self.position += self._registers.signed(0x20)
+        self._registers[0x10] = self.position
+
+
+def cart(protocol: str = "framed", **settings: int) -> Board:
+    spec = compile_text(TEXT, "cart.ul").spec
+    assert spec is not None
+    told = BoardConfiguration.for_spec(spec, protocol=protocol, **settings)
+    return Board(spec, configuration=told, plant=Cart(), endpoint="lockstep")
+
+
+@contextmanager
+def driven(options: str = "protocol=framed") -> Iterator[tuple[Link, Board]]:
+    protocol = options.rpartition("protocol=")[2]
+    with cart(protocol) as board, Link(f"{board.url}?{options}") as link:
+        yield link, board
+
+
+def test_time_stands_still_between_calls() -> None:
+    with driven() as (link, board):
+        begun_s = link.now_s()
+        time.sleep(0.05)
+        assert link.now_s() == begun_s
+        for _ in range(1000):
+            link.step(0.001)
+        assert link.now_s() == pytest.approx(begun_s + 1.0, abs=1e-9)
+        assert board.time_s == pytest.approx(link.now_s() - 1.0, abs=1e-6)
+        assert board.statistics.time_slipped_s == 0
+
+
+def test_calls_between_two_steps_take_time_but_do_not_add_up() -> None:
+    with driven() as (link, board):
+        begun_s = link.now_s()
+        for _ in range(100):
+            before_s = link.now_s()
+            link.write(0x20, 3)
+            link.read(0x10)
+            assert before_s < link.now_s() < before_s + 1e-4
+            link.step(0.001)
+        assert link.now_s() == pytest.approx(begun_s + 0.1, abs=1e-9)
+        assert isinstance(board.plant, Cart)
+        assert board.plant.times_s[-1] == pytest.approx(0.1, abs=1e-3)
+        assert len(board.plant.times_s) == len(set(board.plant.times_s)) in (100, 101)
+
+
+def test_an_hour_of_a_robot_that_stands_takes_no_hour() -> None:
+    with Board(endpoint="lockstep") as board, Link(board.url) as link:
+        link.step(3600.0)
+        assert board.time_s > 3600
+
+
+def run_of(tmp_path: Path, name: str, protocol: str) -> tuple[list[tuple[object, bytes]], list[object]]:
+    """Return the bytes on the wire, and all values with their times."""
+    file = tmp_path / name
+    seen: list[object] = []
+    with driven(f"trace={file}&protocol={protocol}") as (link, _):
+        subscription = link.subscribe([0x10, 0x20], divisor=10)
+        subscription.on_publish(lambda time_s, words: seen.append((time_s, *words)))
+        for turn in range(300):
+            link.write(0x20, (turn * 7 % 23 - 11) & 0xFFFFFFFF)
+            seen.append((link.now_s(), link.read(0x10)))
+            link.step(0.001)
+    return [(packet.direction, packet.data) for packet in read_packets(file)], seen
+
+
+@pytest.mark.parametrize("protocol", ["framed", "classic"])
+def test_two_runs_are_equal_byte_for_byte(tmp_path: Path, protocol: str) -> None:
+    first = run_of(tmp_path, "first", protocol)
+    time.sleep(0.01)
+    second = run_of(tmp_path, "second", protocol)
+    assert first == second
+    assert len(first[1]) > 320  # there are publishes among them
+    assert sum(len(sent) for _, sent in first[0]) > 10_000
+
+
+def test_publishes_come_at_their_time() -> None:
+    with driven() as (link, _):
+        subscription = link.subscribe([0x10], divisor=100)
+        assert subscription.wait(10.0)
+        first_s = link.now_s()
+        subscription.drain()
+        assert subscription.wait(10.0)
+        assert 0 < link.now_s() - first_s < 2.0  # and not after the ten seconds
+        assert subscription.lost == subscription.missing == 0
+
+
+def test_callbacks_are_called_in_steps_by_the_same_thread() -> None:
+    with driven() as (link, _):
+        threads = set()
+        subscription = link.subscribe([0x10], divisor=10)
+        subscription.on_publish(lambda *_: threads.add(threading.get_ident()))
+        link.read(0x10)
+        assert not threads
+        link.step(0.5)
+        assert threads == {threading.get_ident()}
+        assert not any(each.name == "unitylink callbacks" for each in threading.enumerate())
+
+
+def test_boards_of_a_process_share_the_time() -> None:
+    with cart() as left, cart() as right, Link(left.url) as one, Link(right.url) as other:
+        one.write(0x20, 1)
+        other.write(0x20, 2)
+        stamps = other.subscribe([0x10], divisor=100)
+        one.step(0.5)
+        assert one.now_s() == other.now_s()
+        assert left.time_s == pytest.approx(right.time_s, abs=1e-4)
+        assert abs(other.read(0x10) - 2 * one.read(0x10)) <= 2
+        assert stamps.available > 3  # read although nobody asked this link
+
+
+def test_a_board_cannot_differ_in_time_from_the_others() -> None:
+    with Board(endpoint="lockstep"), pytest.raises(UnityLinkError, match="go in steps"):
+        Board()
+    with Board() as real, pytest.raises(UnityLinkError, match="follow real time"):
+        Board(endpoint="lockstep")
+    assert real.closed
+    with Board(endpoint="lockstep") as board, Link(board.url) as link:
+        link.step(0.1)
+
+
+def test_patience_is_counted_in_the_time_of_the_robot() -> None:
+    with driven() as (link, board):
+        begun_s = link.now_s()
+        never = link.subscribe([0x10], on_event=True)
+        assert not never.wait(600.0)
+        assert link.now_s() - begun_s == pytest.approx(600.0, abs=1e-3)
+        board.hang_up()
+        with pytest.raises(LinkClosed):
+            link.read(0x10)
+
+
+def test_the_dead_man_counts_steps() -> None:
+    with driven("deadman=0.05&protocol=framed") as (link, board):
+        link.write(0x20, 5)
+        link.step(10.0)  # the link gives its signs of life
+        assert board.registers[0x20] == 5
+        link.trip()
+        assert board.registers[0x20] == 0
+
+
+def test_without_a_link_the_dead_man_trips_when_others_step() -> None:
+    with cart() as arm, cart() as other, Link(other.url) as clock:
+        link = Link(f"{arm.url}?deadman=0.05")
+        link.write(0x20, 5)
+        link.disown()  # it vanishes, as a program that is killed
+        clock.step(0.02)
+        assert arm.registers[0x20] == 5
+        clock.step(0.2)
+        assert arm.registers[0x20] == 0
+
+
+def test_a_plant_that_raises_ends_and_the_board_goes_on() -> None:
+    class Wrong(Cart):
+        def step(self, time_s: float) -> None:
+            raise ZeroDivisionError("a singular matrix")
+
+    with Board(endpoint="lockstep", plant=Wrong()) as board, Link(board.url) as link:
+        link.step(0.01)
+        assert "singular" in str(board.error)
+        assert link.read(0x10) == 0
+
+
+def test_a_plant_may_close_its_own_board() -> None:
+    class Last(Cart):
+        board: Board | None = None
+
+        def step(self, time_s: float) -> None:
+            if time_s > 0.005 and self.board is not None:
+                self.board.close()
+
+    plant = Last()
+    board = Board(endpoint="lockstep", plant=plant)
+    with Link(board.url) as link:
+        plant.board = board
+        with pytest.raises(LinkClosed):
+            link.step(0.01)
+            link.read(0x10)
+    assert board.closed
+
+
+def test_what_cannot_be_stepped_is_refused(tmp_path: Path) -> None:
+    spec = tmp_path / "cart.ul"
+    spec.write_text(TEXT)
+    with Board() as board, Link(board.url) as link, pytest.raises(UnityLinkError, match="time=lockstep"):
+        link.step(0.1)
+    with pytest.raises(UrlError, match="for virtual boards"):
+        connect("tcp://127.0.0.1:1", time="lockstep")
+    with pytest.raises(UrlError, match="expected real or lockstep"):
+        connect(f"sim:{spec}?time=fast")
+    with pytest.raises(UrlError, match="give it once"):
+        connect(f"sim:{spec}?time=real", time="lockstep")
+    with pytest.raises(UrlError, match="leave out reconnect="):
+        connect(f"sim:{spec}?reconnect=1", time="lockstep")
+    with connect(f"sim:{spec}", time="lockstep") as link:
+        for wrong_s in (-1.0, float("nan"), float("inf")):
+            with pytest.raises(ValueRangeError, match="a step of"):
+                link.step(wrong_s)
+
+        async def ask() -> None:
+            await link.read_async(0x10)
+
+        with pytest.raises(UnityLinkError, match="asyncio"):
+            asyncio.run(ask())
+    with pytest.raises(LinkClosed):
+        link.step(0.1)
