@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "device/component/component.hpp"
+#include "device/component/modulator.hpp"
 
 namespace unitylink::device {
 
@@ -35,6 +36,7 @@ class Sinc3 {
     value_ = value & ((1u << width_) - 1);
     return true;
   }
+  [[nodiscard]] std::uint32_t left() const noexcept { return left_; }  // bits before the last one of a value
   [[nodiscard]] std::uint32_t width() const noexcept { return width_; }
   // From the middle, where half of the bits are 1.
   [[nodiscard]] std::int32_t value() const noexcept {
@@ -93,12 +95,11 @@ class SigmaDeltaAdc final : public Component {
   struct Channel {
     Sinc3 slow;
     Sinc3 fast;
+    Modulator* source = nullptr;        // of its bits; else the pin is driven
     std::uint32_t equals = equal_most;  // bits, beyond the first one
     std::uint32_t settled = 0;          // values
     std::int32_t value = 0;
     bool before = false;
-    bool lost = true;
-    bool beyond = false;
   };
 
   static std::int64_t signed_of(std::uint32_t word, std::uint32_t bits) noexcept {
@@ -111,31 +112,39 @@ class SigmaDeltaAdc final : public Component {
   [[nodiscard]] std::uint32_t limit_now() const noexcept {
     return write_word(limit) & ((1u << channel_[0].fast.width()) - 1);
   }
-  [[nodiscard]] std::uint32_t all() const noexcept { return (1u << channels_) - 1; }
 
-  [[nodiscard]] Clock next() const noexcept override { return std::min({next_, slow_at_, fast_at_}); }
+  // Bits change nothing that is seen, but the last one of a value, and one that begins or ends a row of equal ones. So
+  // no bit is an edge of its own: `catch_up` takes all of them that have come meanwhile.
+  [[nodiscard]] Clock next() const noexcept override {
+    Clock soonest = std::min({next_, turns_, slow_at_, nth_take(channel_[0].slow.left()) + filter_clocks});
+    if (beyond_ != 0 || limit_now() != 0) {
+      soonest = std::min({soonest, fast_at_, nth_take(channel_[0].fast.left()) + filter_clocks});
+    }
+    for (std::uint32_t number = 0; number < channels_; ++number) {
+      const Channel& one = channel_[number];
+      if (one.equals != equal_most) {
+        soonest = std::min(soonest, nth_take(equal_most - one.equals - 1) + 1);
+      } else if (one.source != nullptr || pin(pins_, number) != one.before || pin(bits_, number) != one.before) {
+        soonest = std::min(soonest, nth_take(0) + 1);
+      }
+    }
+    return is_watched(mclk) ? std::min(soonest, toggle_) : soonest;
+  }
 
   void step(Clock edge) override {
+    catch_up(edge);
     const bool enable = (write_word(control) & 1u) != 0;
     const std::uint32_t lost_before = lost_;
     const std::uint32_t beyond_before = beyond_;
     const bool ran = running_;
     const bool had_enable = enabled_before_;
-    bool changes = false;
-    const Clock place = edge % period_;
-    if (place == 0) {
-      output(mclk, true, edge);
-      bits_ = pins_;
-    } else if (place == period_ / 2) {
-      output(mclk, false, edge);
-    }
-    changes = settle(edge) || changes;
+    turns_ = never;
+    bool changes = settle(edge);
     if (edge == fast_at_) {
-      fast_at_ = never;
       compare();
     }
-    if (place == take_at) {
-      changes = take(edge) || changes;
+    if (fast_at_ <= edge) {  // without a limit nobody waited for it
+      fast_at_ = never;
     }
     const std::uint32_t bad = lost_before | beyond_before;
     if (!enable) {
@@ -154,7 +163,10 @@ class SigmaDeltaAdc final : public Component {
     enabled_before_ = enable;
     changes = changes || lost_ != lost_before || beyond_ != beyond_before || running_ != ran || had_enable != enable;
     tell(edge);
-    next_ = changes ? edge + 1 : next_place(edge);
+    next_ = changes ? edge + 1 : never;
+    if (is_watched(mclk)) {
+      show(mclk, edge + 1);
+    }
   }
 
   void stop(std::uint32_t bad, Clock edge) {
@@ -199,13 +211,39 @@ class SigmaDeltaAdc final : public Component {
     }
   }
 
-  bool take(Clock edge) noexcept {
-    bool changes = false;
+  // The edge of take `number` from the next one on.
+  [[nodiscard]] Clock nth_take(std::uint32_t number) const noexcept { return rise_ + take_at + number * period_; }
+  static bool pin(std::uint32_t pins, std::uint32_t number) noexcept { return (pins >> number & 1u) != 0; }
+
+  // All that happens to bits before edge `edge`: mclk rises, and with it the bits of the last rise are sampled, and
+  // those of the sources change. Two clocks later the filters take what was sampled.
+  void catch_up(Clock edge) noexcept {
+    for (; rise_ < edge; rise_ += period_) {
+      if (!is_sampled_) {
+        bits_ = pins_;
+        is_sampled_ = true;
+        for (std::uint32_t number = 0; number < channels_; ++number) {
+          if (Modulator* source = channel_[number].source; source != nullptr) {
+            pins_ = (pins_ & ~(1u << number)) | (source->bit(rise_ + 1) ? 1u << number : 0);
+          }
+        }
+      }
+      if (rise_ + take_at >= edge) {
+        return;
+      }
+      take(rise_ + take_at);
+      is_sampled_ = false;
+    }
+  }
+
+  void take(Clock edge) noexcept {
     for (std::uint32_t number = 0; number < channels_; ++number) {
       Channel& one = channel_[number];
-      const bool level = (bits_ >> number & 1u) != 0;
+      const bool level = pin(bits_, number);
       const std::uint32_t equals = level != one.before ? 0 : std::min(one.equals + 1, equal_most);
-      changes = changes || (equals == equal_most) != (one.equals == equal_most);
+      if ((equals == equal_most) != (one.equals == equal_most)) {
+        turns_ = edge + 1;
+      }
       one.equals = equals;
       one.before = level;
       if (one.slow.take(level)) {
@@ -215,15 +253,16 @@ class SigmaDeltaAdc final : public Component {
         fast_at_ = edge + filter_clocks;
       }
     }
-    return changes;
   }
 
-  [[nodiscard]] Clock next_place(Clock edge) const noexcept {
-    Clock soonest = never;
-    for (const Clock place : {Clock{0}, take_at, period_ / 2}) {
-      soonest = std::min(soonest, edge + 1 + (place + period_ - (edge + 1) % period_) % period_);
+  void show(std::uint32_t /*pin*/, Clock state) override {
+    catch_up(state);
+    while (toggle_ < state) {
+      is_high_ = !is_high_;
+      const Clock edge = toggle_;
+      toggle_ += is_high_ ? period_ / 2 : period_ - period_ / 2;
+      output(mclk, is_high_, edge);
     }
-    return soonest;
   }
 
   void tell(Clock edge) {
@@ -247,8 +286,15 @@ class SigmaDeltaAdc final : public Component {
     }
   }
 
-  void driven(std::uint32_t pin, bool level, Clock /*edge*/) override {
+  void driven(std::uint32_t pin, bool level, Clock edge) override {
+    catch_up(edge);
     pins_ = (pins_ & ~(1u << pin)) | (level ? 1u << pin : 0);
+  }
+
+  bool drawn(std::uint32_t pin, Modulator* source, Clock edge) override {
+    catch_up(edge);
+    channel_[pin].source = source;
+    return true;
   }
 
   std::uint32_t channels_;
@@ -262,6 +308,11 @@ class SigmaDeltaAdc final : public Component {
   bool enabled_before_ = true;
   bool running_ = false;
   bool is_tripped_ = false;
+  Clock rise_ = 0;  // the next edge at which mclk rises, or the last one, whose bits are not taken yet
+  bool is_sampled_ = false;
+  Clock toggle_ = 0;  // the next edge that changes the output mclk
+  bool is_high_ = false;
+  Clock turns_ = never;    // the edge that sees a row of equal bits begin or end
   Clock slow_at_ = never;  // the edge that takes new values
   Clock fast_at_ = never;
   Clock next_ = 0;

@@ -393,6 +393,13 @@ void bind_board(nb::module_& module) {
             return self.turn(component, {std::get<0>(at), std::get<1>(at), std::get<2>(at), per_turn}, counts, seconds);
           },
           nb::arg("component"), nb::arg("lines"), nb::arg("per_turn"), nb::arg("counts"), nb::arg("seconds"), Release())
+      .def(
+          "modulate",
+          [](PythonBoard& self, std::uint32_t component, const std::tuple<std::uint32_t, std::uint32_t>& lines,
+             double level, double seconds) {
+            return self.modulate(component, {std::get<0>(lines), std::get<1>(lines)}, level, seconds);
+          },
+          nb::arg("component"), nb::arg("lines"), nb::arg("level"), nb::arg("seconds"), Release())
       .def("look", &look_at_pin<PythonBoard>, nb::arg("component"), nb::arg("pin"),
            "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())

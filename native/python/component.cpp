@@ -5,6 +5,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <map>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -12,6 +13,7 @@
 
 #include "bindings.hpp"
 #include "device/component/component.hpp"
+#include "device/component/modulator.hpp"
 
 namespace nb = nanobind;
 
@@ -56,9 +58,31 @@ using Seen = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
 // Plays stimuli in the order of time: (clock, what, number, value). `p` drives an input pin, `r` reads, `w` writes, `c`
 // opens (1) and closes (0) a block. Returns (state, what, number, value): `o` an output pin, `a` the answer of a read
 // or write (number 1: err), `e` an event that became high. The bits of wires are pins, too, behind the others.
-std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end) {
+//
+// `m` leads the modulator at an input: number is the input and 256 times the clocks that it takes, value the level. The
+// clock of the modulators is the first output. With `draws` the model takes their bits by itself, and nobody watches
+// this clock. Else they are driven, and `p` is what was driven.
+std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end, bool draws) {
   std::vector<Seen> seen;
-  for (std::uint32_t pin = 0; pin < model.outputs().size(); ++pin) {
+  std::map<std::uint32_t, Modulator> modulators;
+  const auto modulator = [&](std::uint32_t pin, Clock at) -> Modulator& {
+    const auto [found, is_new] = modulators.try_emplace(pin);
+    model.output_at(0, at);  // the bits until now
+    if (is_new && draws && !model.draw_bits(pin, &found->second, at)) {
+      throw nb::value_error("this model draws no bits");
+    }
+    if (is_new && !draws) {
+      model.outputs().at(0).watch([&seen, &model, pin, &one = found->second](bool high, Clock state) {
+        if (high) {
+          const bool bit = one.bit(state);
+          seen.emplace_back(state, 'p', pin, bit);
+          model.drive(pin, bit, state);
+        }
+      });
+    }
+    return found->second;
+  };
+  for (std::uint32_t pin = draws ? 1 : 0; pin < model.outputs().size(); ++pin) {
     if (model.outputs()[pin].level()) {
       seen.emplace_back(0, 'o', pin, 1);
     }
@@ -96,6 +120,9 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
           model.lead(wire, WireValue::of(wires_in.at(wire)), at);
         }
         break;
+      case 'm':
+        modulator(number & 0xFFu, at).lead(static_cast<std::int32_t>(value), at, at + (number >> 8));
+        break;
       case 'c': model.block(value != 0, at); break;
       case 'w': {
         const bool ok = model.write(number, value, at) == BusStatus::ok;
@@ -109,6 +136,9 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
     }
   }
   model.advance(end);
+  for (const auto& [pin, one] : modulators) {
+    model.draw_bits(pin, nullptr, end);
+  }
   for (OutputPin& pin : model.outputs()) {
     pin.watch({});
   }
@@ -140,19 +170,20 @@ void bind_component(nb::module_& module) {
       .def(
           "play",
           [](ComponentModel& self,
-             const std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>>& told, Clock end) {
+             const std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>>& told, Clock end,
+             bool draws) {
             std::vector<Stimulus> stimuli;
             stimuli.reserve(told.size());
             for (const auto& [at, what, number, value] : told) {
               stimuli.emplace_back(at, what.at(0), number, value);
             }
             std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>> result;
-            for (const auto& [at, what, number, value] : play(*self.model, stimuli, end)) {
+            for (const auto& [at, what, number, value] : play(*self.model, stimuli, end, draws)) {
               result.emplace_back(at, std::string(1, what), number, value);
             }
             return result;
           },
-          nb::arg("stimuli"), nb::arg("end"),
+          nb::arg("stimuli"), nb::arg("end"), nb::arg("draws") = false,
           "Plays (clock, what, number, value); gives what pins, bus and events do.");
   module.def(
       "has_component_model",

@@ -79,6 +79,17 @@ def start_bus_arm(board: Node) -> None:
     item["arm.drive[0]"].write("follow")
 
 
+def start_joint(board: Node) -> None:
+    item: Any = board
+    for part in ("stop", "current"):
+        item[f"{part}.control"].write({"enable": True})
+    item["loop.kp"].write(0.3)
+    item["loop.apply"].pulse()
+    item["loop.target_q"].write(6.0)
+    item["loop.control"].write({"enable": True, "align": True})
+    item["motor.control"].write({"enable": True, "sample_start": False, "sample_middle": False})
+
+
 def pulses(board: Board) -> float:
     """Return the pulses of a motor. A pin that stays low has none."""
     bridge = board.components["left_motor"]
@@ -102,6 +113,12 @@ ROBOTS = {
         },
         start_cart,
         pulses,
+    ),
+    "foc_joint": Robot(
+        8_000_000,
+        {"joint_states": "sensor_msgs/JointState", "joint_commands": "sensor_msgs/JointState"},
+        start_joint,
+        lambda board: float(sum(board.components["motor"].rises("high", phase) for phase in range(3))),
     ),
     "scara_stepper": Robot(
         18_000_000,

@@ -74,6 +74,7 @@ class Board : private Lockstep::Member {
   // The pins of components: their outside. False or nothing: there is no such pin.
   bool drive(std::uint32_t component, std::uint32_t pin, bool level);
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, double seconds);
+  bool modulate(std::uint32_t component, const ModulatorLines& lines, double level, double seconds);
   bool attach(std::uint32_t component, const DeviceLines& lines);
   // Calls `use` with the device whose first line is this output of a component. False: there is none.
   bool with_device(std::uint32_t component, std::uint32_t out, const std::function<void(BusDevice&)>& use);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The outside of a board's components: what plants drive, and what they see.
+#include <algorithm>
 #include <cmath>
 
 #include "device/board.hpp"
@@ -20,6 +21,14 @@ bool Board::turn(std::uint32_t component, const EncoderLines& lines, std::int64_
   const bool found = device_->pins().turn(component, lines, counts, now, now + duration);
   wake();
   return found;
+}
+
+bool Board::modulate(std::uint32_t component, const ModulatorLines& lines, double level, double seconds) {
+  const auto lock = enter();
+  const Clock now = device_->clock();
+  const auto duration = static_cast<Clock>(std::llround(seconds * configuration().clock_hz));
+  const auto input = std::llround(std::clamp(level, -1.0, 1.0) * static_cast<double>(Modulator::full));
+  return device_->pins().modulate(component, lines, input, now, now + duration);
 }
 
 bool Board::attach(std::uint32_t component, const DeviceLines& lines) {

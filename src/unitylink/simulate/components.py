@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from unitylink import _native
@@ -125,6 +126,20 @@ class BoardComponent:
         pins = [self._pin("in", port, 0) for port in lines[: 3 if per_turn else 2]]
         place = pins[0], pins[1], pins[2] if per_turn else 0
         if not self._native.turn(self._number, place, per_turn, int(counts // 1), max(0.0, seconds)):
+            raise self._without_pins()
+
+    def modulate(self, level: float, seconds: float = 0.0, channel: int = 0) -> None:
+        """Give the modulator at a channel of a `sigma_delta_adc` an input, as a share of its full scale.
+
+        It goes there evenly within `seconds` from now. The first call puts the modulator there. `drive` of `data`
+        breaks its line until the next call.
+
+        board.components["current"].modulate(8.0 / 32.0)  # 8 A, where all bits are 1 at 32 A
+        """
+        if not math.isfinite(level):
+            raise ValueRangeError(f"a modulator cannot have the input {level}: give a share from -1 to 1")
+        lines = self._pin("out", "mclk", 0), self._pin("in", "data", channel)
+        if not self._native.modulate(self._number, lines, level, max(0.0, seconds)):
             raise self._without_pins()
 
     def play(self, port: str, levels: Sequence[tuple[float, bool]], bit: int = 0) -> None:

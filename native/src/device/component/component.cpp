@@ -206,6 +206,21 @@ void Component::drive(std::uint32_t pin, bool level, Clock at) {
   driven(pin, level, edge);
 }
 
+OutputPin* Component::output_at(std::uint32_t pin, Clock state) {
+  advance(state);
+  if (pin >= outputs_.size()) {
+    return nullptr;
+  }
+  show(pin, state);
+  return &outputs_[pin];
+}
+
+bool Component::draw_bits(std::uint32_t pin, Modulator* source, Clock at) {
+  const Clock edge = std::max(at, state_);
+  advance(edge);
+  return drawn(pin, source, edge);
+}
+
 void Component::word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept {
   Word& one = words_[address];
   if (one.changed != edge) {

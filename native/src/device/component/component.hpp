@@ -31,6 +31,8 @@
 
 namespace unitylink::device {
 
+class Modulator;
+
 // A wire from component to component, as wire_pkg.vhd has it.
 struct WireValue {
   std::uint32_t value = 0;
@@ -56,6 +58,11 @@ class Component : public Bus {
   void drive(std::uint32_t pin, bool level, Clock at);  // an input pin, by its place among the inputs
   [[nodiscard]] std::uint32_t inputs() const noexcept { return inputs_; }  // how many
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
+  // An output as it is in this state, by its place. nullptr: there is no such one.
+  [[nodiscard]] OutputPin* output_at(std::uint32_t pin, Clock state);
+  // From `at` on the component takes the bits of an input from `source` by itself, without a change of the pin for each.
+  // nullptr ends that. False: it cannot, so the bits must be driven.
+  bool draw_bits(std::uint32_t pin, Modulator* source, Clock at);
   // A wire from an output of this component to an input of another one.
   void connect(std::uint32_t output, Component& sink, std::uint32_t input);
   // An input has this value from state `state` on. Values come in the order of their time.
@@ -100,6 +107,9 @@ class Component : public Bus {
   // A wire to an input has another value, which edge `edge` is the first to sample. If that changes something by
   // itself, `next` is this edge.
   virtual void wired(std::uint32_t /*input*/, const WireValue& /*value*/, Clock /*edge*/) {}
+  // An output is about to be looked at in state `state`. So one that nobody watches need not be set at each change.
+  virtual void show(std::uint32_t /*pin*/, Clock /*state*/) {}
+  virtual bool drawn(std::uint32_t /*pin*/, Modulator* /*source*/, Clock /*edge*/) { return false; }
   // An input pin has another level, which edge `edge` is the first to sample.
   virtual void driven(std::uint32_t /*pin*/, bool /*level*/, Clock /*edge*/) {}
 
@@ -115,6 +125,9 @@ class Component : public Bus {
   void word(std::uint32_t address, std::uint32_t value, Clock edge) noexcept;
   // Not in a constructor: all outputs are low at first, and a component without its pins may be made.
   void output(std::uint32_t pin, bool level, Clock edge) { outputs_[pin].change(level, edge + 1); }
+  [[nodiscard]] bool is_watched(std::uint32_t pin) const noexcept {
+    return pin < outputs_.size() && outputs_[pin].is_watched();
+  }
   // A wire from an output has this value from state edge + 1 on. A spec may have been without this output.
   void wire(std::uint32_t output, WireValue value, Clock edge);
   // Words and wires as a reset leaves them, where that is not 0.

@@ -12,8 +12,10 @@ namespace unitylink::device {
 
 class EdgeVelocity {
  public:
-  EdgeVelocity(const ComponentConfiguration& from, std::int64_t window_us, std::int64_t stall_us)
-      : window_(clocks_of(window_us, from)),
+  // `in_rounds`: it shares the words of quadrature_encoder_counts.vhd.
+  EdgeVelocity(const ComponentConfiguration& from, std::int64_t window_us, std::int64_t stall_us, bool in_rounds = true)
+      : in_rounds_(in_rounds),
+        window_(clocks_of(window_us, from)),
         stall_(clocks_of(stall_us, from)),
         factor_(static_cast<std::uint64_t>(clock_hz(from)) * 256),
         speed_most_(from.data_mask() >> 1),
@@ -93,9 +95,9 @@ class EdgeVelocity {
     return bits;
   }
   // The words take the velocity in three clocks of a round of 16, and then it must not change.
-  [[nodiscard]] static Clock free_edge(Clock edge) noexcept {
+  [[nodiscard]] Clock free_edge(Clock edge) const noexcept {
     const Clock place = edge % 16;
-    return place >= 12 && place <= 14 ? edge + 15 - place : edge;
+    return in_rounds_ && place >= 12 && place <= 14 ? edge + 15 - place : edge;
   }
   [[nodiscard]] Clock stall_edge() const noexcept { return end_ + 1 + stall_; }
 
@@ -126,6 +128,7 @@ class EdgeVelocity {
     finish_ = never;
   }
 
+  bool in_rounds_;
   Clock window_;
   Clock stall_;
   std::uint64_t factor_;

@@ -26,14 +26,17 @@ bool ModelPins::put(std::uint32_t component, std::uint32_t pin, bool level, Cloc
   return true;
 }
 
+bool ModelPins::lend(std::uint32_t component, std::uint32_t pin, Modulator* source, Clock at) {
+  return component < models_.size() && models_[component] != nullptr && pin < models_[component]->inputs() &&
+         models_[component]->draw_bits(pin, source, at);
+}
+
 OutputPin* ModelPins::output(std::uint32_t component, std::uint32_t pin, Clock state) {
   if (component >= models_.size() || models_[component] == nullptr) {
     return nullptr;
   }
   advance_turns(state);
-  models_[component]->advance(state);
-  std::vector<OutputPin>& outputs = models_[component]->outputs();
-  return pin < outputs.size() ? &outputs[pin] : nullptr;
+  return models_[component]->output_at(pin, state);
 }
 
 }  // namespace unitylink::device

@@ -19,6 +19,7 @@ class ModelPins final : public Pins {
  private:
   [[nodiscard]] bool is_prompt(std::uint32_t component) const noexcept override;
   bool put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) override;
+  bool lend(std::uint32_t component, std::uint32_t pin, Modulator* source, Clock at) override;
 
   std::vector<Component*> models_;
 };

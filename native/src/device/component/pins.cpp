@@ -44,6 +44,10 @@ std::uint32_t device_place(const DistanceLines& lines) noexcept { return lines.t
 }  // namespace
 
 bool Pins::drive(std::uint32_t component, std::uint32_t pin, bool level, Clock at) {
+  if (const auto found = modulators_.find({component, pin}); found != modulators_.end() && found->second.plugged) {
+    found->second.plugged = false;
+    lend(component, pin, nullptr, at);
+  }
   for (const auto& one : two_way_) {
     if (one->component == component && one->input == pin) {
       one->outside = level;
@@ -78,6 +82,31 @@ void Pins::join(std::uint32_t component, const ComponentConfiguration& configura
 
 bool Pins::settle(const TwoWay& pin, Clock at) {
   return put(pin.component, pin.input, pin.driven->level() ? pin.out->level() : pin.outside, at);
+}
+
+bool Pins::modulate(std::uint32_t component, const ModulatorLines& lines, std::int64_t level, Clock now, Clock until) {
+  OutputPin* clock = output(component, lines.mclk, now);  // the bits until now have the old input
+  if (clock == nullptr) {
+    return false;
+  }
+  const auto [place, is_new] = modulators_.try_emplace({component, lines.data});
+  Modulator& modulator = place->second;
+  if (is_new && !put(component, lines.data, false, now)) {
+    modulators_.erase(place);
+    return false;
+  }
+  if (is_new || !modulator.plugged) {
+    modulator.plugged = true;
+    if (!lend(component, lines.data, &modulator, now) && is_new) {
+      clock->watch([this, component, pin = lines.data, &modulator](bool high, Clock state) {
+        if (high && modulator.plugged) {
+          put(component, pin, modulator.bit(state), state);
+        }
+      });
+    }
+  }
+  modulator.lead(level, now, until);
+  return true;
 }
 
 BusDevice* Pins::attach(std::uint32_t component, const DeviceLines& lines, Clock now) {

@@ -14,6 +14,7 @@
 #include "device/clock.hpp"
 #include "device/component/bus_device.hpp"
 #include "device/component/component_configuration.hpp"
+#include "device/component/modulator.hpp"
 #include "device/component/output_pin.hpp"
 
 namespace unitylink::device {
@@ -48,6 +49,9 @@ class Pins {
 
   // Turns an encoder to so many counts, evenly until `until`. The lines change at their own clocks meanwhile.
   bool turn(std::uint32_t component, const EncoderLines& lines, std::int64_t counts, Clock now, Clock until);
+  // Lets the input of a modulator go to `level` evenly until `until`. The first call puts it at the lines. A level that
+  // is driven on its line takes it away until the next call. False: there are no such pins.
+  bool modulate(std::uint32_t component, const ModulatorLines& lines, std::int64_t level, Clock now, Clock until);
   // Puts a device at the pins of a component, once. nullptr: it has no such pins.
   BusDevice* attach(std::uint32_t component, const DeviceLines& lines, Clock now);
   // The device at this place of a component, or nullptr. The place is that of its first output, and for one of many
@@ -69,6 +73,10 @@ class Pins {
   // Must the component see each change at its time, and not only before it is asked?
   [[nodiscard]] virtual bool is_prompt(std::uint32_t /*component*/) const noexcept { return true; }
   virtual bool put(std::uint32_t component, std::uint32_t pin, bool level, Clock at) = 0;
+  // Lets a component take the bits of a pin by itself. False: it cannot, so each is put there.
+  virtual bool lend(std::uint32_t /*component*/, std::uint32_t /*pin*/, Modulator* /*source*/, Clock /*at*/) {
+    return false;
+  }
   // Finds the pins of a component that go both ways.
   void join(std::uint32_t component, const ComponentConfiguration& configuration);
 
@@ -111,6 +119,7 @@ class Pins {
   std::vector<std::unique_ptr<TwoWay>> two_way_;
   std::map<std::pair<std::uint32_t, EncoderLines>, Shaft> shafts_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<BusDevice>> devices_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Modulator> modulators_;
   std::multimap<Clock, Later> later_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Clock> played_until_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::deque<PinChange>> edges_;
