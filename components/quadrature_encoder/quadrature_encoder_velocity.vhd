@@ -52,8 +52,10 @@ architecture rtl of quadrature_encoder_velocity is
 
   constant window_clocks : positive := clocks_of(window_us);
   constant stall_clocks  : positive := clocks_of(stall_us);
-  constant factor        : unsigned(bits_for(clock_hz + 1) + 7 downto 0) :=
-    to_unsigned(clock_hz, bits_for(clock_hz + 1)) & x"00";
+  constant factor        : unsigned(bits_for(clock_hz + 1) - 1 downto 0) := to_unsigned(clock_hz, bits_for(clock_hz + 1));
+  -- A product has so many zeros at its end, for 1/256 count/s. They are no part of the factor, because GHDL 2.0 cannot
+  -- synthesise an addition of a constant of more than 32 bits.
+  constant zeros         : unsigned(7 downto 0) := x"00";
 
   subtype window_t is unsigned(bits_for(window_clocks) - 1 downto 0);
   subtype time_t is unsigned(bits_for(stall_clocks + window_clocks + 1) - 1 downto 0);
@@ -62,7 +64,7 @@ architecture rtl of quadrature_encoder_velocity is
 
   -- The way is multiplied with the factor, a bit at a time, and the product is divided by the time.
   constant way_bits     : positive := way_t'length - 1;
-  constant product_bits : positive := way_bits + factor'length;
+  constant product_bits : positive := way_bits + factor'length + zeros'length;
   constant work_clocks  : positive := way_bits + product_bits + 1;
 
   subtype product_t is unsigned(product_bits - 1 downto 0);
@@ -196,17 +198,17 @@ begin
         if way(way'high) = '1' then
           way := -way;
         end if;
-        product   <= resize(unsigned(way(way_bits - 1 downto 0)), product_bits);
+        product   <= resize(unsigned(way(way_bits - 1 downto 0)), product_bits - zeros'length) & zeros;
         remainder <= (others => '0');
         if window = window_clocks - 1 and rests = '0' then
           working <= '1';
         end if;
       elsif step < way_bits then
-        high := '0' & product(product_bits - 1 downto way_bits);
-        if product(0) = '1' then
+        high := '0' & product(product_bits - 1 downto way_bits + zeros'length);
+        if product(zeros'length) = '1' then
           high := high + factor;
         end if;
-        product <= high & product(way_bits - 1 downto 1);
+        product <= high & product(way_bits + zeros'length - 1 downto zeros'length + 1) & zeros;
         step    <= step + 1;
       elsif step < way_bits + product_bits then
         rest      := remainder & product(product_bits - 1);

@@ -15,7 +15,7 @@ OHM, HENRY, BANDWIDTH = 0.2, 200e-6, 2 * math.pi * 500  # of the motor, and of i
 NM_A_AMPERE, INERTIA, STIFFNESS = 0.05, 2e-3, 2 * math.pi * 9  # of the arm, and of its loop in 1/s
 ALIGN_A, CURRENT_MOST_A, TRIP_A = 6.0, 12.0, 25.0
 SPEED, ACCELERATION, ERROR_MOST = 8.0, 60.0, 0.5  # rad/s, rad/s^2, rad
-PERIOD_S, PATIENCE_S = 0.02, 3.0
+PERIOD_S, PATIENCE_S = 0.01, 3.0
 NAMES = ("shaft.position", "loop.current_d", "loop.current_q")
 
 
@@ -56,8 +56,8 @@ class Joint:
         item("path.acceleration").write(ACCELERATION)
         item("current.limit").write(TRIP_A)
 
-    def start(self) -> None:
-        """Switch on from the sensors to the bridge, and let the rotor turn to its zero."""
+    def start(self) -> float:
+        """Switch on from the sensors to the bridge, and let the rotor turn to its zero. Return that current."""
         item = self.item
         for channel in range(2):  # without a current
             item(f"current.offset[{channel}]").write(0.0)
@@ -73,13 +73,16 @@ class Joint:
         item("loop.control").write({"enable": True, "align": True})
         item("motor.control").write({"enable": True, "sample_start": False, "sample_middle": False})
         item("loop.target_d").write(ALIGN_A)
-        self.wait(0.5)
+        for _ in range(50):
+            self.watch()
+        aligned_a = self.seen["loop.current_d"]
         item("shaft.position").write(0.0)
         item("loop.target_d").write(0.0)
         item("loop.control").write({"enable": True, "align": False})
         item("path.target").write(0.0)
         item("path.control").write({"enable": True})
         item("servo.control").write({"enable": True})
+        return aligned_a
 
     def go_to(self, angle: float) -> float:
         """Turn to an angle, and return where the shaft then is."""
@@ -90,7 +93,7 @@ class Joint:
             if self._link.now_s() > due_s:
                 raise UnityLinkError(f"the joint does not arrive within {PATIENCE_S:g} s; is it blocked?")
             self.watch()
-        for _ in range(15):  # the loop settles
+        for _ in range(30):  # the loop settles
             self.watch()
         self.check()
         return float(self.item("shaft.position").read())

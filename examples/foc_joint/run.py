@@ -40,8 +40,7 @@ def main() -> int:
         joint = Joint(board, link)
         joint.tune()
         try:
-            joint.start()
-            print(f"the rotor is at its zero, with {joint.seen['loop.current_d']:.2f} A along its field")
+            print(f"the rotor has turned to its zero, with {joint.start():.2f} A along its field")
             for angle in ANGLES:
                 at = joint.go_to(angle)
                 worst = max(worst, abs(at - angle))

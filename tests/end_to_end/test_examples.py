@@ -28,6 +28,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("dashboard", ["--seconds", "2"], "j1.cpos and 7 more: "),
         ("servo", [], "the limit switch has closed, 1 in all"),
         ("diff_drive", [], "back, "),
+        ("foc_joint", [], "all angles are reached, and the bridge is off"),
         ("scara_stepper", [], "the arm is home again"),
         ("bus_arm", [], "the arm is home, and holds"),
         ("xyz_stage", [], "corner 60, 60: the counters are at 60.0000, 60.0000 mm"),
@@ -42,7 +43,7 @@ def test_example_runs(example: str, arguments: list[str], said: str) -> None:
     assert said in done.stdout
 
 
-_LINKED = ["dashboard", "diff_drive", "hello_led", "profile", "scara", "servo", "walker18", "xyz_stage"]
+_LINKED = ["dashboard", "diff_drive", "foc_joint", "hello_led", "profile", "scara", "servo", "walker18", "xyz_stage"]
 
 
 @pytest.mark.parametrize("example", _LINKED)

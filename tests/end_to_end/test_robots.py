@@ -163,10 +163,10 @@ LONG = ("scara_stepper", RtlBoard)
     ("name", "kind"), [pytest.param(*one, marks=pytest.mark.long) if one == LONG else one for one in KINDS]
 )
 def test_a_robot_rests_when_its_line_is_cut(name: str, kind: type[Board]) -> None:
-    robot = ROBOTS[name]
+    robot, spec = ROBOTS[name], load(EXAMPLES / name / f"{name}.ul")
     with board_of(name, kind) as board:
         link = connect(f"{board.url}?protocol=framed&timeout=2&deadman={SILENCE_S}")
-        robot.start(load_spec_objects(load(EXAMPLES / name / f"{name}.ul"), link))
+        robot.start(load_spec_objects(spec, link))
         before = robot.moved(board)
         until(lambda: robot.moved(board) != before)
         board.hang_up()

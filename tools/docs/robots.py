@@ -49,6 +49,13 @@ PICTURES = {
             Panel("by its wheels", "x in m", "y in m", (("it believes", 3, 4), ("true", 5, 6)), square=True),
         ),
     ),
+    "foc_joint": (
+        "A joint with a brushless motor turns from angle to angle",
+        (
+            Panel("the angle", "time in s", "rad", (("path", 0, 1), ("joint", 0, 2))),
+            Panel("the currents", "time in s", "A", (("d, aligns", 0, 3), ("q, turns", 0, 4))),
+        ),
+    ),
     "scara_stepper": (
         "A SCARA with stepper motors draws a flower",
         (
