@@ -52,7 +52,8 @@ architecture rtl of quadrature_encoder_velocity is
 
   constant window_clocks : positive := clocks_of(window_us);
   constant stall_clocks  : positive := clocks_of(stall_us);
-  constant factor        : unsigned(bits_for(clock_hz + 1) - 1 downto 0) := to_unsigned(clock_hz, bits_for(clock_hz + 1));
+  constant factor        : unsigned(bits_for(clock_hz + 1) - 1 downto 0) :=
+    to_unsigned(clock_hz, bits_for(clock_hz + 1));
   -- A product has so many zeros at its end, for 1/256 count/s. They are no part of the factor, because GHDL 2.0 cannot
   -- synthesise an addition of a constant of more than 32 bits.
   constant zeros         : unsigned(7 downto 0) := x"00";

@@ -57,7 +57,7 @@ class Joint:
         item("current.limit").write(TRIP_A)
 
     def start(self) -> float:
-        """Switch on from the sensors to the bridge, and let the rotor turn to its zero. Return that current."""
+        """Switch on from the sensors to the bridge, and let the rotor turn to its zero, by this current."""
         item = self.item
         for channel in range(2):  # without a current
             item(f"current.offset[{channel}]").write(0.0)
@@ -69,7 +69,7 @@ class Joint:
             item(f"{part}.control").write({"enable": True})
         self.wait(PERIOD_S)
         if not (item("stop.status").read().running and item("current.status").read().running):
-            raise UnityLinkError("it does not start: is the stop button pressed, or a line of a current open?")
+            raise UnityLinkError("is the stop button pressed, or a line of a current open?")
         item("loop.control").write({"enable": True, "align": True})
         item("motor.control").write({"enable": True, "sample_start": False, "sample_middle": False})
         item("loop.target_d").write(ALIGN_A)

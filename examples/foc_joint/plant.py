@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The joint behind the board: the windings of a brushless motor, its rotor with an arm, friction and gravity."""
+"""The joint behind the board: a brushless motor with its windings, an arm, friction and gravity."""
 
 from __future__ import annotations
 

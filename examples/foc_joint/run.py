@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Turn a joint with a brushless motor from angle to angle. Its currents, its angle and its path are in the gateware.
+"""Turn a joint with a brushless motor from angle to angle, by loops in the gateware.
 
 python examples/foc_joint/run.py
 python examples/foc_joint/run.py --link "serial:/dev/ttyUSB1?baud=3000000&deadman=0.05"

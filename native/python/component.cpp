@@ -120,9 +120,7 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
           model.lead(wire, WireValue::of(wires_in.at(wire)), at);
         }
         break;
-      case 'm':
-        modulator(number & 0xFFu, at).lead(static_cast<std::int32_t>(value), at, at + (number >> 8));
-        break;
+      case 'm': modulator(number & 0xFFu, at).lead(static_cast<std::int32_t>(value), at, at + (number >> 8)); break;
       case 'c': model.block(value != 0, at); break;
       case 'w': {
         const bool ok = model.write(number, value, at) == BusStatus::ok;

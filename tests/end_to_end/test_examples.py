@@ -43,7 +43,17 @@ def test_example_runs(example: str, arguments: list[str], said: str) -> None:
     assert said in done.stdout
 
 
-_LINKED = ["dashboard", "diff_drive", "foc_joint", "hello_led", "profile", "scara", "servo", "walker18", "xyz_stage"]
+_LINKED = [
+    "dashboard",
+    "diff_drive",
+    "foc_joint",
+    "hello_led",
+    "profile",
+    "scara",
+    "servo",
+    "walker18",
+    "xyz_stage",
+]
 
 
 @pytest.mark.parametrize("example", _LINKED)

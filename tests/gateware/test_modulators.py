@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The model of sigma_delta_adc takes the bits of modulators by itself, and gives what it gives when each is driven. So
-does the VHDL.
+"""The model of sigma_delta_adc takes the bits of modulators by itself. It gives what it gives when each is
+driven, and what the VHDL gives.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def test_bits_of_modulators_are_taken_as_if_they_were_driven(tmp_path: Path, num
     stimuli = sorted([*accesses, *inputs(draw, one.pins[2][2])], key=lambda each: (each[0], each[1] != "m"))
     driven = _native.ComponentModel(one).play(stimuli, CLOCKS)
     drawn = _native.ComponentModel(one).play(stimuli, CLOCKS, draws=True)
-    assert without(drawn) == without(driven, ("o", 0))  # nobody watches the clock of modulators that are drawn
+    assert without(drawn) == without(driven, ("o", 0))  # nobody watches their clock then
     bits = [each for each in driven if each[1] == "p"]
     assert len({each[3] for each in bits}) == 2 and len(bits) > 1000
     assert play_vhdl(Ghdl, tmp_path, one, in_order([*accesses, *bits], CLOCKS), CLOCKS) == without(driven)

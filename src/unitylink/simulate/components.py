@@ -131,8 +131,8 @@ class BoardComponent:
     def modulate(self, level: float, seconds: float = 0.0, channel: int = 0) -> None:
         """Give the modulator at a channel of a `sigma_delta_adc` an input, as a share of its full scale.
 
-        It goes there evenly within `seconds` from now. The first call puts the modulator there. `drive` of `data`
-        breaks its line until the next call.
+        It goes there evenly within `seconds` from now. The first call puts the modulator there. `drive` of
+        `data` breaks its line until the next call.
 
         board.components["current"].modulate(8.0 / 32.0)  # 8 A, where all bits are 1 at 32 A
         """

@@ -60,8 +60,8 @@ class Component : public Bus {
   [[nodiscard]] std::vector<OutputPin>& outputs() noexcept { return outputs_; }
   // An output as it is in this state, by its place. nullptr: there is no such one.
   [[nodiscard]] OutputPin* output_at(std::uint32_t pin, Clock state);
-  // From `at` on the component takes the bits of an input from `source` by itself, without a change of the pin for each.
-  // nullptr ends that. False: it cannot, so the bits must be driven.
+  // From `at` on the component takes the bits of an input from `source` by itself, without a change of the pin for
+  // each. nullptr ends that. False: it cannot, so the bits must be driven.
   bool draw_bits(std::uint32_t pin, Modulator* source, Clock at);
   // A wire from an output of this component to an input of another one.
   void connect(std::uint32_t output, Component& sink, std::uint32_t input);
