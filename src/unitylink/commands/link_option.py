@@ -143,6 +143,7 @@ def open_target(
     try:
         with connect(link) as opened:
             complaints.link = opened
+            opened.check_time_passes("a command")
             if check:
                 names = names.on(opened)
             yield Target(opened, names)

@@ -52,6 +52,14 @@ class LinkTime:
         """Whether time passes only while a call waits (`time=lockstep`, docs/lockstep.md)."""
         return self._native.in_steps
 
+    def check_time_passes(self, who: str) -> None:
+        """Raise UnityLinkError if time goes in steps, because `who` makes none and would wait for ever."""
+        if self.in_steps:
+            raise UnityLinkError(
+                f"{self.url}: {who} lets no time pass; leave out time=lockstep, which is for programs that call "
+                "link.step() (docs/lockstep.md)"
+            )
+
     def step(self, dt_s: float) -> None:
         """Let `dt_s` seconds pass. Boards, plants and links of the process advance so far, and stand still.
 

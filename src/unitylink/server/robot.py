@@ -229,6 +229,7 @@ class Robot:
             self._away = str(error)
             return
         try:
+            link.check_time_passes("a server")
             link.check_spec(self.spec.source, wire_hashes(self.spec, self.spec.roots[0].name))
             server = link.serve(plain_words(self.spec))
         except UnityLinkError as error:

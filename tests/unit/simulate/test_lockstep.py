@@ -14,6 +14,7 @@ import pytest
 
 from unitylink import connect
 from unitylink.capture.pcapng import read_packets
+from unitylink.cli import main
 from unitylink.errors import LinkClosed, UnityLinkError, UrlError, ValueRangeError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration, Registers
@@ -221,7 +222,7 @@ def test_a_plant_may_close_its_own_board() -> None:
     assert board.closed
 
 
-def test_what_cannot_be_stepped_is_refused(tmp_path: Path) -> None:
+def test_what_cannot_be_stepped_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = tmp_path / "cart.ul"
     spec.write_text(TEXT)
     with Board() as board, Link(board.url) as link, pytest.raises(UnityLinkError, match="time=lockstep"):
@@ -234,6 +235,8 @@ def test_what_cannot_be_stepped_is_refused(tmp_path: Path) -> None:
         connect(f"sim:{spec}?time=real", time="lockstep")
     with pytest.raises(UrlError, match="leave out reconnect="):
         connect(f"sim:{spec}?reconnect=1", time="lockstep")
+    assert main(["read", f"sim:{spec}?time=lockstep", "position"]) == 1
+    assert "a command lets no time pass" in capsys.readouterr().err
     with connect(f"sim:{spec}", time="lockstep") as link:
         for wrong_s in (-1.0, float("nan"), float("inf")):
             with pytest.raises(ValueRangeError, match="a step of"):
