@@ -18,7 +18,8 @@ namespace {
 // Works every `period_ns`, and says so in a common record. After `last` works it makes a descriptor readable.
 class Ticker final : public Lockstep::Member {
  public:
-  Ticker(std::string& record, char name, std::uint64_t period_ns) : record_(record), name_(name), period_ns_(period_ns) {
+  Ticker(std::string& record, char name, std::uint64_t period_ns)
+      : record_(record), name_(name), period_ns_(period_ns) {
     due_ns_ = RobotTime::here().now_ns() + period_ns;
     Lockstep::here().join(*this);
   }
@@ -83,7 +84,7 @@ TEST_CASE("members work in the order of their dues, and time goes no further tha
   Ticker quick(record, 'q', 300);
   Ticker slow(record, 's', 700);
   CHECK(stepped.advance(stepped_start + 1500) == 0);
-  CHECK(record == "qqsqqsq");  // at 300 600 700 900 1200 1400 and 1500 is not over yet
+  CHECK(record == "qqsqqs");  // at 300 600 700 900 1200 1400, and 1500 is not over yet
   CHECK(RobotTime::here().now_ns() == stepped_start + 1500);
   CHECK(stepped.advance(stepped_start + 1400) == 0);  // it never goes back
   CHECK(RobotTime::here().now_ns() == stepped_start + 1500);

@@ -56,8 +56,8 @@ class LinkTime:
         """Raise UnityLinkError if time goes in steps, because `who` makes none and would wait for ever."""
         if self.in_steps:
             raise UnityLinkError(
-                f"{self.url}: {who} lets no time pass; leave out time=lockstep, which is for programs that call "
-                "link.step() (docs/lockstep.md)"
+                f"{self.url}: {who} lets no time pass; leave out time=lockstep, which is for programs that "
+                "call link.step() (docs/lockstep.md)"
             )
 
     def step(self, dt_s: float) -> None:

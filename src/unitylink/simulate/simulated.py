@@ -33,9 +33,10 @@ def simulated_board(url: str) -> tuple[Board, str]:
     component of the user's own, of which there is no model.
 
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
-    `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
-    others are the link's. Its `timeout=` is 1 here. With `time=lockstep`, time goes in steps
-    (docs/lockstep.md). With `reconnect=1`, the board is reached over TCP on this computer. For tests,
+    `plant=ramp|loopback|scara|FILE.py`, `seed=NUMBER` (for a plant that has `seed(number)`), and every
+    setting that a URL may change (docs/settings.md). All others are the link's. Its `timeout=` is 1 here.
+    With `time=lockstep`, time goes in steps (docs/lockstep.md). With `reconnect=1`, the board is reached over
+    TCP on this computer. For tests,
     `link.board.hang_up()` breaks this line. Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
@@ -169,7 +170,14 @@ def _bitstream(url: str, path: str, options: dict[str, str], settings: _Settings
 def _spec_and_plant(url: str, path: str, options: dict[str, str]) -> tuple[Spec, AnyPlant]:
     spec = _spec_in(url, path, options)
     options.pop("root", None)
-    return spec, load_plant(options.pop("plant", DEFAULT_PLANT), spec)
+    plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
+    seed = options.pop("seed", None)
+    if seed is not None:
+        if not seed.isdigit():
+            raise UrlError(f"{url!r}: seed={seed} is not a whole number from 0")
+        if hasattr(plant, "seed"):  # others are the same each time
+            plant.seed(int(seed))
+    return spec, plant
 
 
 _KINDS = {"sim": _twin, "rtl": _gateware, "bit": _bitstream}

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot as an environment of Gymnasium. See docs/gym.md.
+
+>>> import unitylink.gym
+>>> env = unitylink.gym.make("sim:cart.ul?plant=cart.py", dt_s=0.02, reward=upright)  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from unitylink.optional import absent
+
+if TYPE_CHECKING:
+    from .environment import RobotEnvironment
+
+__all__ = ["make"]
+
+
+def make(
+    url: str,
+    *,
+    dt_s: float,
+    reward: Callable[[Mapping[str, Any], Mapping[str, Any]], float],
+    spec: str | None = None,
+    observed: Sequence[str] | None = None,
+    commanded: Sequence[str] | None = None,
+    done: Callable[[Mapping[str, Any]], bool] | None = None,
+    home: Callable[[Any], object] | None = None,
+    most_steps: int | None = None,
+) -> RobotEnvironment:
+    """Return an environment of Gymnasium whose spaces come from the spec.
+
+    `url` is a link URL. A virtual board goes in steps (docs/lockstep.md), and each episode has a new one. On
+    hardware, steps keep the pace of `dt_s`, and `home(robot)` brings the robot to its start. `spec` is the
+    file of the spec, for URLs that do not name it.
+
+    `observed` and `commanded` are paths of values. By default, these are all numbers that the PC reads and
+    does not write, and all numbers that it writes. `reward(observation, action)` and `done(observation)` get
+    values by path, in the units of the spec. An episode is truncated after `most_steps`.
+
+    Raises UnityLinkError (a wrong argument, or a value without limits), UrlError, SpecError, LinkError, and
+    ToolError if gymnasium is absent.
+    """
+    try:
+        import gymnasium  # noqa: F401
+    except ImportError:
+        raise absent("gymnasium", "an environment for learning") from None
+    from .environment import RobotEnvironment, Task
+
+    task = Task(dt_s, reward, done, home, most_steps)
+    return RobotEnvironment(url, task, spec=spec, observed=observed, commanded=commanded)

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""RobotEnvironment: the spaces, the episodes and the steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from unitylink.connection import connect
+from unitylink.connection.schemes import scheme_of
+from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
+from unitylink.layer2_message import Link
+from unitylink.layer4_data import ReadValue, Value, ValueGroup, WriteValue, load_spec_objects
+from unitylink.spec import load
+
+from .channel import Channel, is_number
+
+Numbers = npt.NDArray[np.float64]
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be learned: the period of control, the reward, and how an episode begins and ends."""
+
+    dt_s: float
+    reward: Callable[[Values, Values], float]
+    done: Callable[[Values], bool] | None = None
+    home: Callable[[Any], object] | None = None
+    most_steps: int | None = None
+
+
+class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
+    """A robot behind a link. `unitylink.gym.make` makes it.
+
+    `observed` and `commanded` are the channels, in the order of the numbers in the spaces.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  as in gymnasium.Env
+    render_mode = None
+
+    def __init__(
+        self,
+        url: str,
+        task: Task,
+        *,
+        spec: str | None,
+        observed: Sequence[str] | None,
+        commanded: Sequence[str] | None,
+    ) -> None:
+        if not 1e-5 <= task.dt_s <= 3600:
+            raise UnityLinkError(f"dt_s is {task.dt_s!r}; expected seconds, 1e-5 to 3600")
+        self._virtual = scheme_of(url).virtual
+        self._url, self.task = url, task
+        file = (
+            spec if spec is not None else url.partition(":")[2].partition("?")[0] if self._virtual else None
+        )
+        if file is None:
+            raise UnityLinkError(f"{url} does not name the spec; give its file: spec=...")
+        self._spec = load(file)
+        self._asked = observed, commanded
+        self._link: Link | None = None
+        self._robot: Any = None
+        self._steps = self._clipped = self._missed = 0
+        self._due_s = self._begun_s = 0.0
+        self._open(0)
+        self._last = np.zeros(len(self.observed))
+        self.observation_space = _space(self.observed)
+        self.action_space = _space(self.commanded)
+
+    # ---- Gymnasium's own
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Numbers, dict[str, Any]]:
+        """Begin an episode. A virtual board is a new one, and a plant with `seed(number)` gets a seed."""
+        super().reset(seed=seed)
+        if self._virtual or self._link is None or self._link.closed:
+            self._shut()
+            self._open(int(self.np_random.integers(1 << 31)))
+        if self.task.home is not None:
+            self.task.home(self._robot)
+        self._steps = self._clipped = self._missed = 0
+        self._due_s = self._begun_s = self._now().now_s()
+        return self._numbers(self._look()), self._facts()
+
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """Write the action, let `dt_s` pass, and look.
+
+        A lost link ends the episode: it is truncated, and `info["lost"]` says why. Raises UnityLinkError with
+        the number of the step if the reward fails.
+        """
+        link = self._now()
+        written: dict[str, Any] = {}
+        for channel, number in zip(self.commanded, np.asarray(action, dtype=np.float64).ravel(), strict=True):
+            written[channel.path], clipped = channel.taken(float(number))
+            self._clipped += clipped
+        try:
+            self._commands.write(list(written.values()))
+            self._wait(link)
+            seen = self._look()
+        except LinkError as error:
+            facts = {**self._facts(), "lost": str(error)}
+            self._shut()
+            return np.array(self._last), 0.0, False, True, facts
+        self._steps += 1
+        reward = self._called("reward", self.task.reward, seen, written)
+        done = self.task.done is not None and bool(self._called("done", self.task.done, seen))
+        over = self.task.most_steps is not None and self._steps >= self.task.most_steps
+        return self._numbers(seen), float(reward), done, over, self._facts()
+
+    def close(self) -> None:
+        """Close the link. It may be called twice."""
+        self._shut()
+
+    # ---- the robot
+
+    @property
+    def robot(self) -> Any:
+        """The objects of the spec, as of `load_spec_objects`. A virtual board has new ones each time."""
+        return self._robot
+
+    def _open(self, seed: int) -> None:
+        if self._virtual:
+            joined = "&" if "?" in self._url else "?"
+            self._link = connect(f"{self._url}{joined}seed={seed}", time="lockstep")
+        else:
+            self._link = connect(self._url)
+        try:
+            self._robot = load_spec_objects(self._spec, self._link)
+            observed, commanded = self._asked
+            reads = _chosen(self._robot, observed, ReadValue, lambda value: not isinstance(value, WriteValue))
+            writes = _chosen(self._robot, commanded, WriteValue, lambda value: value.access != "PULSE")
+            self.observed = [Channel.of(value, bounded=False) for value in reads]
+            self.commanded = [Channel.of(value, bounded=True) for value in writes]
+            if not self.observed or not self.commanded:
+                what = "observed" if not self.observed else "commanded"
+                raise UnityLinkError(f"{self._spec.source}: no number is {what}; give paths of values")
+            self._sensors = ValueGroup(reads, "observed")
+            self._commands = ValueGroup(writes, "commanded")
+        except BaseException:
+            self._shut()
+            raise
+
+    def _shut(self) -> None:
+        if self._link is not None:
+            self._link.close()
+        self._link = None
+
+    def _now(self) -> Link:
+        if self._link is None:
+            raise UnityLinkError("the environment is closed, or its link was lost; call reset()")
+        return self._link
+
+    def _wait(self, link: Link) -> None:
+        if link.in_steps:
+            link.step(self.task.dt_s)
+            return
+        self._due_s += self.task.dt_s
+        if link.now_s() > self._due_s:
+            self._missed += 1
+            self._due_s = link.now_s()
+        link.sleep_until(self._due_s)
+
+    def _look(self) -> dict[str, Any]:
+        return dict(self._sensors.snapshot())
+
+    def _numbers(self, seen: Values) -> Numbers:
+        self._last = np.array([float(seen[channel.path]) for channel in self.observed])
+        return self._last
+
+    def _facts(self) -> dict[str, Any]:
+        time_s = round(self._now().now_s() - self._begun_s, 9)
+        return {"time_s": time_s, "clipped": self._clipped, "missed": self._missed}
+
+    def _called(self, what: str, function: Callable[..., Any], *arguments: Values) -> Any:
+        try:
+            return function(*arguments)
+        except Exception as error:
+            text = f"{what} failed at step {self._steps}: {type(error).__name__}: {error}"
+            raise UnityLinkError(text) from error
+
+
+def _chosen(
+    robot: Any,
+    paths: Sequence[str] | None,
+    kind: type[ReadValue[Any]] | type[WriteValue[Any]],
+    fits: Callable[[Any], bool],
+) -> list[Value[Any]]:
+    if paths is None:
+        return [value for value in robot if isinstance(value, kind) and is_number(value) and fits(value)]
+    chosen: list[Value[Any]] = []
+    for path in paths:
+        value = robot[path]
+        if not isinstance(value, kind) or not is_number(value):
+            verb = "read" if kind is ReadValue else "written"
+            raise ValueRangeError(f"{path} is no number that can be {verb}")
+        chosen.append(value)
+    return chosen
+
+
+def _space(channels: Iterable[Channel]) -> gymnasium.spaces.Space[Numbers]:
+    listed = list(channels)
+    low = np.array([channel.low for channel in listed])
+    high = np.array([channel.high for channel in listed])
+    return gymnasium.spaces.Box(low, high, dtype=np.float64)
