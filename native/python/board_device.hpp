@@ -75,17 +75,17 @@ std::optional<BoardDevice> attach_i2c(PythonBoard& self, std::uint32_t component
   return BoardDevice{&self, component, scl_drive};
 }
 
-// Puts a distance sensor at the pins trigger and echo of a component. `us` is the clocks of a microsecond. None: it has
-// no such pins.
-template <class PythonBoard>
-std::optional<BoardDevice> attach_distance(PythonBoard& self, std::uint32_t component,
-                                           const std::tuple<std::uint32_t, std::uint32_t>& pins, double us) {
-  const auto [trigger, echo] = pins;
+// Puts a sensor with lines of its own at an output and an input of a component. `us` is the clocks of a microsecond.
+// None: it has no such pins.
+template <class Lines, class PythonBoard>
+std::optional<BoardDevice> attach_sensor(PythonBoard& self, std::uint32_t component,
+                                         const std::tuple<std::uint32_t, std::uint32_t>& pins, double us) {
+  const auto [out, in] = pins;
   const GilRelease released;
-  if (!self.attach(component, device::DistanceLines{trigger, echo, us})) {
+  if (!self.attach(component, Lines{out, in, us})) {
     return std::nullopt;
   }
-  return BoardDevice{&self, component, trigger};
+  return BoardDevice{&self, component, out};
 }
 
 template <class PythonBoard>

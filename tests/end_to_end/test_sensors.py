@@ -72,3 +72,63 @@ def test_a_distance_is_measured(kind: Any) -> None:
             sensor.see(31)
         with pytest.raises(ValueRangeError, match="has no output 'trigger'"):
             board.components["other"].distance_sensor()
+
+
+@boards
+def test_a_load_is_weighed(kind: Any) -> None:
+    line = "plate: hx711(settle=2, timeout=20 ms, scale=1/1000 kg, rate=200 Hz);"
+    with robot(kind, line, clock_hz=8_000_000) as (board, objects):
+        cell = board.components["plate"].load_cell(conversions_hz=1000)
+        cell.weigh(-1_234_567)
+        cell.weigh(5_000, input=1)
+        until(lambda: objects["plate.state"].read().valid)
+        assert objects["plate.value"].read() == pytest.approx(-1234.567)
+        seen: list[float] = []
+        objects["plate.value"].on_publish(lambda _time, value: seen.append(value))
+        cell.weigh(42_000)
+        until(lambda: seen and seen[-1] == pytest.approx(42))
+        objects.stop_publishing()
+        control = objects["plate.control"]
+        control.write({"enable": True, "input": "b_32"})
+        until(lambda: objects["plate.state"].read().valid)
+        assert objects["plate.value"].read() == pytest.approx(5)
+        cell.weigh(1 << 30, input=1)
+        until(lambda: objects["plate.state"].read().failure.name == "out_of_range")
+        cell.plugged = False
+        until(lambda: objects["plate.state"].read().failure.name in ("no_answer", "stuck"))
+        until(lambda: not objects["plate.state"].read().valid)
+        cell.weigh(7_000, input=1)
+        cell.plugged = True
+        until(lambda: objects["plate.state"].read().valid)
+        assert objects["plate.value"].read() == pytest.approx(7)
+        assert cell.conversions_hz == pytest.approx(1000)
+        with pytest.raises(ValueRangeError, match="inputs 0 to 2, not 3"):
+            cell.weigh(0, input=3)
+        with pytest.raises(ValueRangeError, match=r"give 0\.1 to 10000"):
+            cell.conversions_hz = 0
+
+
+@boards
+def test_a_strip_shows_its_colours_and_goes_dark(kind: Any) -> None:
+    line = "ring: ws2812(leds=3, safe=0); lamp: sk6812_rgbw(leds=1);"
+    with robot(kind, line, clock_hz=8_000_000) as (board, objects):
+        ring, lamp = (board.components[name].led_strip() for name in ("ring", "lamp"))
+        assert ring.colours == [(0, 0, 0)] * 3
+        until(lambda: not objects["ring.busy"].read())
+        colours = [(255, 1, 2), (3, 128, 4), (5, 6, 200)]
+        for number, (red, green, blue) in enumerate(colours):
+            objects[f"ring.colour[{number}]"].write({"red": red, "green": green, "blue": blue})
+        objects["lamp.colour[0]"].write({"red": 9, "green": 8, "blue": 7, "white": 100})
+        for name in ("ring", "lamp"):
+            objects[f"{name}.control"].write({"on": True})
+        until(lambda: ring.colours == colours and lamp.colours == [(9, 8, 7, 100)])
+        objects["ring.colour[1]"].write({"red": 0, "green": 0, "blue": 99})
+        objects["ring.update"].pulse(1)
+        colours[1] = (0, 0, 99)
+        until(lambda: ring.colours == colours)
+        objects["ring.control"].write({"on": False})
+        until(lambda: ring.colours == [(0, 0, 0)] * 3)
+        assert lamp.colours == [(9, 8, 7, 100)]
+        assert objects["ring.colour[1]"].read().blue == 99
+        with pytest.raises(ValueRangeError, match="has no output 'data'"):
+            board.components["other"].led_strip()

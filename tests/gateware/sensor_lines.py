@@ -11,14 +11,15 @@ from gateware.clock_true import Stimulus, in_order
 from unitylink import _native
 from unitylink.interface.components import ComponentConfiguration
 
+ANSWERS_MOST = 150  # each takes a play of the model
 
-def next_edge(
-    one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int, after: int, output: int, level: int
-) -> int | None:
-    """Return the state in which an output next becomes this level, or None if it does not until the end."""
+
+def changes_of(
+    one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int, output: int = 0
+) -> list[tuple[int, int]]:
+    """Return the states in which an output of the model changes, and its levels from then on."""
     trace = _native.ComponentModel(one).play(in_order(stimuli, end), end)
-    edges = (at for at, what, number, value in trace if (what, number, value) == ("o", output, level))
-    return next((at for at in edges if after < at <= end), None)
+    return [(at, value) for at, what, number, value in trace if (what, number) == ("o", output) and at < end]
 
 
 def echoes(
@@ -29,8 +30,12 @@ def echoes(
     us = generics["clock_hz"] / 1e6
     longest, period = us * generics["timeout_us"], us * generics["period_us"]
     found: list[Stimulus] = []
-    at: int | None = 0
-    while (at := next_edge(one, [*accesses, *found], end, at, 0, 0)) is not None:
+    heard = 0
+    for _ in range(ANSWERS_MOST):
+        falls = (at for at, level in changes_of(one, [*accesses, *found], end) if at > heard and not level)
+        if (at := next(falls, None)) is None:
+            break
+        heard = at
         rises = at + int(draw.choice((1.0, 5.0, 100.0, 0.9 * period / us)) * us)
         length = draw.choice((0.1, 0.5, 0.9, 1.01)) * draw.choice((1.0, draw.random())) * longest
         if draw.random() < 0.1:
@@ -40,5 +45,30 @@ def echoes(
             rises += int(3 * us)
         if draw.random() < 0.85:
             found += [(rises, "p", 0, 1), (rises + 1 + int(length), "p", 0, 0)]
-            at = max(at, rises + int(length))
+            heard = max(at, rises + int(length))
+    yield from found
+
+
+def conversions(
+    draw: random.Random, one: ComponentConfiguration, accesses: Sequence[Stimulus], end: int
+) -> Iterator[Stimulus]:
+    """Yield what an HX711 sends: conversions of any bits, the largest and the smallest, and a stuck line."""
+    us = {name: int(value) for name, value in one.generics}["clock_hz"] / 1e6
+    found: list[Stimulus] = [(0, "p", 0, 1), (int(90 * us), "p", 0, 0)]
+    read = 0
+    for _ in range(ANSWERS_MOST):
+        rises = (at for at, level in changes_of(one, [*accesses, *found], end) if at > read and level)
+        if (at := next(rises, None)) is None:
+            break
+        bits = draw.choice((draw.getrandbits(24), draw.getrandbits(24), 0x7FFFFF, 0x800000, 0xFFFFFF))
+        line = [bits >> 23 - place & 1 for place in range(24)] + [int(draw.random() < 0.9)]
+        found += [(at + int(2 * us * place), "p", 0, level) for place, level in enumerate(line)]
+        read = at + int(60 * us)
+        ready = read + int(draw.choice((1, 9, 60)) * us)
+        found += [(read - 1, "p", 0, 1), (ready, "p", 0, 0)]
+        if draw.random() < 0.2:
+            found += [
+                (ready + 2, "p", 0, 1),
+                (ready + int(draw.choice((20, 400)) * us), "p", 0, 0),
+            ]  # a spike
     yield from found

@@ -11,6 +11,7 @@ import pytest
 from gateware.absolute_encoder_line import frames_of_as5047p, frames_of_biss
 from gateware.clock_true import Case, play_model, play_vhdl, random_stimuli
 from gateware.clock_true_faults import FAULTS
+from gateware.clock_true_sensors import SENSOR_CASES
 from gateware.clock_true_serial import SERIAL_CASES
 from gateware.clock_true_words import (
     ABSOLUTE_ENCODER,
@@ -31,7 +32,6 @@ from gateware.clock_true_words import (
 )
 from gateware.dshot_line import replies_of_dshot
 from gateware.random_wires import random_wires
-from gateware.sensor_lines import echoes
 from gateware.simulators import Ghdl
 
 from unitylink import _native
@@ -40,6 +40,7 @@ from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
 
 CASES = {
+    **SENSOR_CASES,
     **SERIAL_CASES,
     "stepgen": (
         Case(
@@ -130,17 +131,6 @@ CASES = {
             THREE_PHASE,
             pause=300,
             outside=random_wires(3, 900, pins=1),
-        ),
-    ),
-    "sonar": (
-        Case("period=2 ms, timeout=300 us", {0: (*[1] * 30, 0)}, 900, answers=echoes, clocks=160_000),
-        Case(
-            "period=2300 us, timeout=100 us, failures_most=1",
-            {0: (1,)},
-            pause=300,
-            answers=echoes,
-            clocks=90_000,
-            clock_hz=2_000_000,
         ),
     ),
     "estop": (

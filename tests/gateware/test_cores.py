@@ -72,6 +72,31 @@ def test_ticker(ghdl: Any, clock_hz: int, rate_hz: int) -> None:
     ghdl.run("ticker_tb", clock_hz=clock_hz, rate_hz=rate_hz)
 
 
+@pytest.mark.parametrize(("clock_hz", "settle"), [(8_000_000, 4), (4_100_003, 0)])
+def test_hx711(ghdl: Any, clock_hz: int, settle: int) -> None:
+    ghdl.run("hx711_tb", clock_hz=clock_hz, settle=settle)
+
+
+def test_a_clock_that_is_too_slow_for_a_load_cell_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("hx711_tb", "clock_hz must be 4 MHz or more", clock_hz=3_999_999)
+
+
+@pytest.mark.parametrize(
+    "generics",
+    [
+        {},
+        {"clock_hz": 8_000_000, "leds": 1, "reset_us": 50},
+        {"clock_hz": 12_000_003, "leds": 3, "channels": 4},
+    ],
+)
+def test_ws2812(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("ws2812_tb", **generics)
+
+
+def test_a_clock_that_is_too_slow_for_a_strip_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("ws2812_tb", "clock_hz must be 8 to 200 MHz", clock_hz=7_999_999)
+
+
 @pytest.mark.parametrize("failures_most", [1, 3])
 def test_sample_state(ghdl: Any, failures_most: int) -> None:
     ghdl.run("sample_state_tb", failures_most=failures_most)

@@ -322,6 +322,21 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "hx711",
+        "a component: a load cell behind an HX711",
+        top="hx711",
+        cells_most=250,
+        mhz_least=50.0,
+    ),
+    Row(
+        "ws2812",
+        "a component: a strip of 60 LEDs",
+        top="ws2812",
+        cells_most=165,
+        mhz_least=50.0,
+        memories_most=2,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from unitylink import _native
 from unitylink.errors import ValueRangeError
@@ -13,6 +13,8 @@ from unitylink.interface.components import ComponentConfiguration
 from .bus_servo import BusServo
 from .device_registers import DeviceRegisters
 from .distance_sensor import DistanceSensor
+from .led_strip import LedStrip
+from .load_cell import LoadCell
 from .radio import Radio
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
@@ -58,6 +60,8 @@ class BoardComponent:
         self._servos: dict[int, BusServo] = {}
         self._serial: SerialEnd | None = None
         self._distance_sensor: DistanceSensor | None = None
+        self._load_cell: LoadCell | None = None
+        self._led_strip: LedStrip | None = None
         self._radio: Radio | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
@@ -264,14 +268,46 @@ class BoardComponent:
         sensor.see(0.75)  # m
         """
         if self._distance_sensor is None:
-            pins = self._pin("out", "trigger", 0), self._pin("in", "echo", 0)
-            clock_hz = int(dict(self.configuration.generics)["clock_hz"])
-            found = self._native.attach_distance(self._number, pins, clock_hz / 1e6)
-            if found is None:
-                raise self._without_pins()
-            registers = DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz)
+            registers = self._sensor(self._native.attach_distance, "trigger", "echo")
             self._distance_sensor = DistanceSensor(registers)
         return self._distance_sensor
+
+    def load_cell(self, conversions_hz: float | None = None) -> LoadCell:
+        """Return the chip at the lines of an `hx711`. The first call puts it there, with 80 conversions/s.
+
+        cell = board.components["plate"].load_cell()
+        cell.weigh(123456)  # counts
+        """
+        if self._load_cell is None:
+            registers = self._sensor(self._native.attach_load_cell, "sck", "dout")
+            self._load_cell = LoadCell(registers, int(dict(self.configuration.generics)["clock_hz"]))
+            self._load_cell.conversions_hz = 80
+        if conversions_hz is not None:
+            self._load_cell.conversions_hz = conversions_hz
+        return self._load_cell
+
+    def led_strip(self) -> LedStrip:
+        """Return the LEDs at the line of a `ws2812`. The first call puts them there.
+
+        ring = board.components["ring"].led_strip()
+        ring.colours  # [(red, green, blue), ...]
+        """
+        if self._led_strip is None:
+            self._pin("out", "data", 0)
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            self._led_strip = LedStrip(self, facts["leds"], facts["channels"])
+        return self._led_strip
+
+    def _sensor(
+        self, attach: Callable[[int, tuple[int, int], float], _native.BoardDevice | None], out: str, into: str
+    ) -> DeviceRegisters:
+        """Put a sensor at an output and an input."""
+        pins = self._pin("out", out, 0), self._pin("in", into, 0)
+        clock_hz = int(dict(self.configuration.generics)["clock_hz"])
+        found = attach(self._number, pins, clock_hz / 1e6)
+        if found is None:
+            raise self._without_pins()
+        return DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz)
 
     def servo(self, number: int = 0) -> BusServo:
         """Return one of the servos of a `servo_bus`. The first call puts it there.

@@ -84,6 +84,13 @@ struct DistanceLines {
   double us = 1;
 };
 
-using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines>;
+// The lines of a load cell behind an HX711: places among the outputs and the inputs.
+struct LoadCellLines {
+  std::uint32_t sck = 0;
+  std::uint32_t dout = 0;
+  double us = 1;
+};
+
+using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines, LoadCellLines>;
 
 }  // namespace unitylink::device

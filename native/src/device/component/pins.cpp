@@ -8,6 +8,7 @@
 #include "device/component/bus_servo.hpp"
 #include "device/component/distance_sensor.hpp"
 #include "device/component/i2c_registers.hpp"
+#include "device/component/load_cell.hpp"
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
 #include "device/component/spi_words.hpp"
@@ -40,6 +41,7 @@ std::uint32_t device_place(const EscLines& lines) noexcept { return lines.out; }
 std::uint32_t device_place(const I2cLines& lines) noexcept { return lines.scl_drive; }
 std::uint32_t device_place(const ServoLines& lines) noexcept { return lines.out + 256u * lines.id; }
 std::uint32_t device_place(const DistanceLines& lines) noexcept { return lines.trigger; }
+std::uint32_t device_place(const LoadCellLines& lines) noexcept { return lines.sck; }
 
 }  // namespace
 
@@ -173,6 +175,13 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const Distan
     return nullptr;
   }
   return std::make_unique<DistanceSensor>(*this, component, lines, now);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const LoadCellLines& lines, Clock now) {
+  if (output(component, lines.sck, now) == nullptr || !drive(component, lines.dout, true, now)) {
+    return nullptr;
+  }
+  return std::make_unique<LoadCell>(*this, component, lines, now);
 }
 
 BusDevice* Pins::attached(std::uint32_t component, std::uint32_t place) const noexcept {
