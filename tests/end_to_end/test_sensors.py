@@ -132,3 +132,33 @@ def test_a_strip_shows_its_colours_and_goes_dark(kind: Any) -> None:
         assert objects["ring.colour[1]"].read().blue == 99
         with pytest.raises(ValueRangeError, match="has no output 'data'"):
             board.components["other"].led_strip()
+
+
+@boards
+def test_a_temperature_is_read_and_a_false_one_is_not(kind: Any) -> None:
+    line = "motor: one_wire(period=115 ms, resolution=9, rate=20 Hz);"
+    with robot(kind, line, clock_hz=1_000_000) as (board, objects):
+        motor = board.components["motor"].thermometer()
+        motor.warm(-10.5)
+        until(lambda: objects["motor.state"].read().valid)
+        assert objects["motor.temperature"].read() == pytest.approx(-10.5)
+        motor.warm(85.0)
+        until(lambda: objects["motor.temperature"].read() == pytest.approx(85))
+        assert objects["motor.state"].read().failure.name == "none"
+        motor.warm(30.0)
+        until(lambda: objects["motor.temperature"].read() == pytest.approx(30))
+        failures = objects["motor.state"].read().failures
+        motor.restart()
+        until(lambda: objects["motor.state"].read().failures != failures)
+        assert objects["motor.temperature"].read() == pytest.approx(30)  # not 85
+        motor.plugged = False
+        until(lambda: objects["motor.state"].read().failure.name == "no_answer")
+        until(lambda: not objects["motor.state"].read().valid)
+        motor.warm(12.0)
+        motor.plugged = True
+        until(lambda: objects["motor.state"].read().valid)
+        assert objects["motor.temperature"].read() == pytest.approx(12)
+        with pytest.raises(ValueRangeError, match="give -55 to 125 degC"):
+            motor.warm(126)
+        with pytest.raises(ValueRangeError, match=r"give 0\.001 to 10 s"):
+            motor.conversion_s = 0

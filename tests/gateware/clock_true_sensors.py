@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from gateware.clock_true import Case
-from gateware.sensor_lines import conversions, echoes
+from gateware.sensor_lines import conversions, echoes, thermometer
 
 SENSOR_CASES = {
     "sonar": (
@@ -45,5 +45,23 @@ SENSOR_CASES = {
             clock_hz=8_200_000,
         ),
         Case("leds=1, reset=1 us", {0: (1, 1, 0)}, pause=4000, device="sk6812_rgbw", clock_hz=12_000_003),
+    ),
+    "one_wire": (
+        Case(
+            "period=114 ms, resolution=9",
+            {0: (*[1] * 60, 0)},
+            pause=9000,
+            answers=thermometer,
+            clocks=900_000,
+            clock_hz=1_000_000,
+        ),
+        Case(
+            "period=116 ms, resolution=9, parasite=1, failures_most=1",
+            {0: (1,)},
+            pause=20_000,
+            answers=thermometer,
+            clocks=600_000,
+            clock_hz=1_000_000,
+        ),
     ),
 }

@@ -72,3 +72,68 @@ def conversions(
                 (ready + int(draw.choice((20, 400)) * us), "p", 0, 0),
             ]  # a spike
     yield from found
+
+
+def crc8(data: bytes) -> int:
+    """Return the check of 1-wire.
+
+    >>> crc8(bytes.fromhex("9101 4B46 7FFF 0C10")) == 0x70, crc8(bytes.fromhex("5005 4B46 7FFF 0C10")) == 0x1C
+    (True, True)
+    """
+    crc = 0
+    for byte in data:
+        for place in range(8):
+            crc = crc >> 1 ^ (0x8C if (crc ^ byte >> place) & 1 else 0)
+    return crc
+
+
+def thermometer(
+    draw: random.Random, one: ComponentConfiguration, _accesses: Sequence[Stimulus], end: int
+) -> Iterator[Stimulus]:
+    """Yield what a DS18B20 sends to `one_wire`, for a clock of 1 MHz, in which a tick is a clock.
+
+    The tries begin where the periods do, and their slots follow from what is sent. Some have no presence, a
+    short, a wrong bit, no marks, or no conversion.
+    """
+    facts = {name: int(value) for name, value in one.generics}
+    unit, slot, reset = 8, 70, 122
+    period = facts["period_ms"] * 1000
+    yield 0, "p", 0, 1
+    for begin in range(unit, end, period):
+        kind = draw.choice(("good", "good", "good", "wrong", "unmarked", "away", "short", "idle", "endless"))
+        at = begin
+        for part, sent in enumerate((5, 2, 2)):
+            start = (at // unit + 1) * unit
+            if kind == "short" and part == 1:
+                yield start, "p", 0, 0
+                yield start + reset * unit + 40, "p", 0, 1
+                break
+            if kind == "away" and part == draw.randrange(3):
+                break
+            yield start + 61 * unit + 30, "p", 0, 0
+            yield start + 61 * unit + 150, "p", 0, 1
+            at = start + (reset - 1) * unit + sent * 8 * slot
+            if part == 1 and facts["parasite"]:
+                converted = begin + (94 + 10) * 1000
+                while at <= converted:
+                    at += slot
+            elif part == 1 and kind == "endless":
+                yield at, "p", 0, 0
+                yield begin + period - 3, "p", 0, 1
+                break
+            elif part == 1:
+                busy = 0 if kind == "idle" else draw.randrange(1, 40)
+                yield at + 2, "p", 0, int(not busy)
+                yield at + busy * slot + 2, "p", 0, 1
+                at += (busy + 1) * slot
+        else:
+            text = bytearray(draw.randbytes(2) + b"\x69\x69\x1f\xff\x0c\x10")
+            if kind == "unmarked":
+                text[draw.choice((2, 3))] ^= 1 << draw.randrange(8)
+            text.append(crc8(bytes(text)))
+            if kind == "wrong":
+                text[draw.randrange(9)] ^= 1 << draw.randrange(8)
+            for place in range(72):
+                if not text[place // 8] >> place % 8 & 1:
+                    yield at + place * slot + 2, "p", 0, 0
+                    yield at + place * slot + 32, "p", 0, 1

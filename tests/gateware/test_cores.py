@@ -97,6 +97,15 @@ def test_a_clock_that_is_too_slow_for_a_strip_stops_elaboration(ghdl: Any) -> No
     ghdl.refuse("ws2812_tb", "clock_hz must be 8 to 200 MHz", clock_hz=7_999_999)
 
 
+@pytest.mark.parametrize("parasite", [0, pytest.param(1, marks=pytest.mark.long)])
+def test_one_wire(ghdl: Any, parasite: int) -> None:
+    ghdl.run("one_wire_tb", parasite=parasite)
+
+
+def test_a_period_without_time_to_convert_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("one_wire_tb", "period_ms must be 208 or more", resolution=10, period_ms=200)
+
+
 @pytest.mark.parametrize("failures_most", [1, 3])
 def test_sample_state(ghdl: Any, failures_most: int) -> None:
     ghdl.run("sample_state_tb", failures_most=failures_most)

@@ -337,6 +337,13 @@ ROWS = (
         memories_most=2,
     ),
     Row(
+        "one_wire",
+        "a component: a thermometer on 1-wire",
+        top="one_wire",
+        cells_most=300,
+        mhz_least=50.0,
+    ),
+    Row(
         "estop",
         "a component: a stop chain of one contact, without a watchdog",
         top="estop",

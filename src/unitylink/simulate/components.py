@@ -18,6 +18,7 @@ from .load_cell import LoadCell
 from .radio import Radio
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
+from .thermometer import Thermometer
 
 _ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller or of a servo
 _FRAME_BEGINS = 0x2000  # in a word of the program of a device, if its bits 15 and 14 are not both 1
@@ -62,6 +63,7 @@ class BoardComponent:
         self._distance_sensor: DistanceSensor | None = None
         self._load_cell: LoadCell | None = None
         self._led_strip: LedStrip | None = None
+        self._thermometer: Thermometer | None = None
         self._radio: Radio | None = None
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
@@ -285,6 +287,20 @@ class BoardComponent:
         if conversions_hz is not None:
             self._load_cell.conversions_hz = conversions_hz
         return self._load_cell
+
+    def thermometer(self) -> Thermometer:
+        """Return the thermometer at the line of a `one_wire`. The first call puts it there, at 25 degC.
+
+        motor = board.components["motor"].thermometer()
+        motor.warm(63.5)  # degC
+        """
+        if self._thermometer is None:
+            registers = self._sensor(self._native.attach_thermometer, "line_drive", "line_in")
+            facts = {name: int(value) for name, value in self.configuration.generics}
+            self._thermometer = Thermometer(registers, facts["clock_hz"])
+            self._thermometer.warm(25.0)
+            self._thermometer.conversion_s = 0.7 / 2 ** (12 - facts["resolution"])
+        return self._thermometer
 
     def led_strip(self) -> LedStrip:
         """Return the LEDs at the line of a `ws2812`. The first call puts them there.

@@ -91,6 +91,17 @@ struct LoadCellLines {
   double us = 1;
 };
 
-using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines, LoadCellLines>;
+// The line of a thermometer on 1-wire: places among the outputs and the inputs. It is one pin, of a component whose
+// output before `drive` is the level that it drives.
+struct ThermometerLines {
+  std::uint32_t drive = 1;
+  std::uint32_t in = 0;
+  double us = 1;
+
+  [[nodiscard]] std::uint32_t out() const noexcept { return drive - 1; }
+};
+
+using DeviceLines =
+    std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines, LoadCellLines, ThermometerLines>;
 
 }  // namespace unitylink::device

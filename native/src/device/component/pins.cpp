@@ -12,6 +12,7 @@
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
 #include "device/component/spi_words.hpp"
+#include "device/component/thermometer.hpp"
 
 namespace unitylink::device {
 
@@ -42,6 +43,7 @@ std::uint32_t device_place(const I2cLines& lines) noexcept { return lines.scl_dr
 std::uint32_t device_place(const ServoLines& lines) noexcept { return lines.out + 256u * lines.id; }
 std::uint32_t device_place(const DistanceLines& lines) noexcept { return lines.trigger; }
 std::uint32_t device_place(const LoadCellLines& lines) noexcept { return lines.sck; }
+std::uint32_t device_place(const ThermometerLines& lines) noexcept { return lines.drive; }
 
 }  // namespace
 
@@ -182,6 +184,18 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const LoadCe
     return nullptr;
   }
   return std::make_unique<LoadCell>(*this, component, lines, now);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const ThermometerLines& lines, Clock now) {
+  for (const std::uint32_t pin : {lines.out(), lines.drive}) {
+    if (output(component, pin, now) == nullptr) {
+      return nullptr;
+    }
+  }
+  if (!drive(component, lines.in, true, now)) {  // it has a pull-up
+    return nullptr;
+  }
+  return std::make_unique<Thermometer>(*this, component, lines, now);
 }
 
 BusDevice* Pins::attached(std::uint32_t component, std::uint32_t place) const noexcept {
