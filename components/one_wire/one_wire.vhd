@@ -16,8 +16,8 @@
 -- A try     reset, CC 4E 69 69 and the resolution; reset, CC 44, wait; reset, CC BE, nine bytes.
 -- 85 degC   is what a thermometer says that has restarted. The two bytes 69 tell: they are in memory that a restart
 --           overwrites from its EEPROM. So a true 85 degC counts, and a false one never does.
--- Wait      parasite 0: it is asked until it is done, and must be busy at first. parasite 1: the line is driven high for
---           the time of the datasheet, so that it feeds the thermometer.
+-- Wait      parasite 0: it is asked until it is done, and must be busy at first. parasite 1: the line is driven high
+--           for the time of the datasheet, so that it feeds the thermometer.
 -- Block     A try that ends while cyc is high is taken behind it. So all words of a block are of one moment.
 -- Events    sampled: there is a new value. failed: a try has failed.
 -- Latency   2 clocks per access (register_slave). A try takes 14 ms and the conversion.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- one_wire: temperatures, 85 degC that is true and that is not, CRC, no answer, shorts, conversions that do not begin or
--- end, blocks, enable, errors.
+-- one_wire: temperatures, 85 degC that is true and that is not, CRC, no answer, shorts, conversions that do not begin
+-- or end, blocks, enable, errors.
 
 library ieee;
   use ieee.std_logic_1164.all;

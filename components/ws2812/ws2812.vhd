@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A strip of LEDs with WS2812, SK6812 or what understands them. Their colours are in block RAM, and are sent when asked.
+-- A strip of LEDs with WS2812, SK6812 or what understands them. Their colours are in block RAM, and are sent when
+-- asked.
 --
 --   0  __/‾350 ns‾\_____________     a bit takes 1250 ns, and the highest bit of a colour is the first
 --   1  __/‾‾‾700 ns‾‾‾\_________
@@ -12,11 +13,12 @@
 -- Frame     All LEDs, and then the line is low for reset_us or up to an LED longer, so that they take it. What is asked
 --           for meanwhile is sent behind it: so the strip ends with what was last written. Without `on` all colours
 --           are sent as 0, and the memory keeps them. Behind a reset such a dark frame is sent: the strip may be lit.
--- Times     350 ns is rounded down to whole clocks, 700 and 1250 ns to the nearest. With a clock of 8 MHz or more, chips
---           of all kinds understand them.
+-- Times     350 ns is rounded down to whole clocks, 700 and 1250 ns to the nearest. With a clock of 8 MHz or more,
+--           chips of all kinds understand them.
 -- Memory    One block RAM, which the bus and the strip read in turn. The bus goes first, and never waits.
 -- Event     sent: a frame and its pause are over, and nothing else is asked for.
--- Latency   2 clocks per access. From a write to the first bit 4 clocks and 550 ns. An LED takes 30 us, 40 us with white.
+-- Latency   2 clocks per access. From a write to the first bit 4 clocks and 550 ns. An LED takes 30 us, with white
+--           40 us.
 -- Errors    err for addresses from 2 + leds on, and for writes that do not select all bytes.
 -- Reset     The line is low, and from power-up on. The colours stay. At power-up they are 0.
 
@@ -145,8 +147,8 @@ begin
     wishbone_s2m.dat(0)              <= found(0) or flag;
   end process;
 
-  -- The frame. It begins at the low end of a bit, in which the first colour is read. Each further one is read at that of
-  -- the last bit before it.
+  -- The frame. It begins at the low end of a bit, in which the first colour is read. Each further one is read at that
+  -- of the last bit before it.
   bit_ends <= to_bit(clocks = bit_clocks - 1);
   rest     <= to_bit(clocks = one_clocks);
 

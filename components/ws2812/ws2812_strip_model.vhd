@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What is outside of the pin of ws2812, for benches: the strip. It checks the times of each bit. Each LED keeps its bits
--- and hands on the next ones. It shows them when the line has been low for a pause.
+-- What is outside of the pin of ws2812, for benches: the strip. It checks the times of each bit. Each LED keeps its
+-- bits and hands on the next ones. It shows them when the line has been low for a pause.
 --
 --   shown    colours that the LEDs show, the first one leftmost
 --   frames   pauses so far; a frame with too few or too many bits fails the bench
