@@ -37,7 +37,7 @@ FAULTS = [
     ("ws2812", 0, "fetches <= fetch and not asked;", "fetches <= fetch;"),
     ("one_wire", 0, "if count(6 downto 4) = 0 then", "if count(6 downto 3) = 0 then"),
     ("one_wire", 0, "          crc <= '0' & crc(7 downto 1);", "          crc <= crc(0) & crc(7 downto 1);"),
-    ("one_wire", 0, "              elsif lost = '1' then", "              elsif false then"),
+    ("one_wire", 1, "              elsif lost = '1' then", "              elsif false then"),
     ("one_wire", 1, "if now >= converted then", "if now > converted + 8 then"),
     ("estop", 0, "enabled_before = '0' and is_open = '0'", "enabled_before = '0'"),
     ("estop", 1, "silent_clocks = watchdog_clocks;", "silent_clocks = watchdog_clocks - 1;"),
