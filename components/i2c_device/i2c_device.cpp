@@ -174,7 +174,7 @@ class I2cDevice final : public BusSequencer {
   void finish(bool failed, Clock edge) {
     state_ = State::idle;
     due_ = never;
-    reply(failed, static_cast<std::uint8_t>(shift_), edge);
+    reply(failed ? BusFailure::no_answer : BusFailure::none, static_cast<std::uint8_t>(shift_), edge);
   }
 
   void go(State state) noexcept {

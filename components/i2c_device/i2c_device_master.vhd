@@ -80,7 +80,8 @@ begin
   scl <= pins(0);
   sda <= pins(1);
 
-  reply.data <= shift;
+  reply.data   <= shift;
+  reply.reason <= failure_no_answer;
 
   over  <= '1' when count = 0 else '0';
   held  <= quarter(1) and not quarter(0) and not scl; -- scl has been let go, and does not rise

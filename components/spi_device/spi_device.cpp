@@ -64,7 +64,7 @@ class SpiDevice final : public BusSequencer {
       default:
         state_ = State::idle;
         due_ = never;
-        reply(false, static_cast<std::uint8_t>(shift_), edge);
+        reply(BusFailure::none, static_cast<std::uint8_t>(shift_), edge);
     }
   }
 

@@ -4,28 +4,34 @@
 -- program is in sequencer_pkg, and spi_master or i2c_master exchanges its bytes.
 --
 --   +0  control: bit 0 enable; it is 1 after a reset
---   +1  status: bit 0 valid, bit 1 set up, bits 5:4 why the last try failed: 1 no answer, 2 a wrong reply  (read only)
+--   +1  status: bit 0 valid, bit 1 set up, bits 5:4 why the last try failed: 1 no answer, 2 a wrong reply,
+--       3 the device refused it, with the code of its last refusal in bits 13:6                            (read only)
 --   +2  failures: samples and set-ups that failed, 16 bits, it wraps                                       (read only)
 --   +3  age: us since the last good sample ended, at most 2**20 - 1                                        (read only)
 --   +4  stamp: when this sample began, in clocks since the reset                                           (read only)
 --   +5  the values, in the order of the program                                                            (read only)
+--   then the outputs, which the program sends
 --
 --   program  | set-up | sample | sample | ...      a period each, counted without a drift
 --   bank     ----A----|---B----|---A----           a sample is written beside the one that is read
 --
 -- Samples   A sample shows at once, with its stamp, when it is complete. It waits while cyc is high, so all words of a
 --           block are of one sample. A sample that failed changes nothing but the status.
+-- Outputs   are 0 after a reset. What the bus has written goes out with the next sample, and with each one behind it.
+--           All bytes of an output are of one write.
 -- Failures  After failures_most in a row `valid` falls, and the set-up is done again. So it is after each failure in
 --           the set-up. While `enable` is 0 `valid` is 0, and nothing is asked; a frame ends before.
 -- Events    sampled: a sample has become visible. failed: a try has failed.
 -- Latency   2 clocks per access. A word of the program takes 2 clocks, and a byte those of its bus. A period is exact
 --           in the long run if clock_hz is at least 8 MHz.
--- Errors    err for addresses from 5 + values on, for a write of anything but +0, and if it does not select all bytes.
+-- Errors    err for addresses behind the last output, for a write of anything but +0 and the outputs, and for one that
+--           does not select all bytes.
 -- Reset     Starts the program anew when its timer has expired. `valid` falls. The failures stay.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.bit_pkg.all;
   use work.rate_pkg.all;
   use work.sequencer_pkg.all;
   use work.width_pkg.all;
@@ -36,6 +42,7 @@ entity bus_sequencer is
     clock_hz      : positive                := 50_000_000;
     program       : string                  := "";
     values        : positive range 1 to 27  := 1;
+    outputs       : natural range 0 to 8    := 0;
     failures_most : positive range 1 to 15  := 3;
     data_width    : positive range 8 to 32  := 32
   );
@@ -57,16 +64,20 @@ architecture rtl of bus_sequencer is
   constant tick_bits    : positive := phase_bits(clock_hz, 1_000_000);
   constant lanes        : positive := bytes_for(data_width);
   constant stamp_index  : natural  := 4;
-  constant words        : positive := stamp_index + 1 + values;
+  constant first_output : positive := stamp_index + 1 + values;
+  constant words        : positive := first_output + outputs;
   constant rom          : program_t(0 to 255) := program_of(program);
   constant all_bytes    : std_ulogic_vector(lanes - 1 downto 0) := (others => '1');
 
   subtype index_t is unsigned(4 downto 0);
   subtype word_t is std_ulogic_vector(31 downto 0);
+  type outputs_t is array (0 to 7) of word_t;
 
   -- The bus.
   signal asked, ack, err, enable : std_ulogic;
   signal stored, side, status    : word_t := (others => '0'); -- the word of a sample, and one that is none
+  signal given       : outputs_t := (others => (others => '0'));
+  signal told        : std_ulogic_vector(7 downto 0) := (others => '0'); -- the output was written
 
   -- The program.
   type state_t is (fetching, running, exchanging);
@@ -74,15 +85,20 @@ architecture rtl of bus_sequencer is
   signal pc         : unsigned(7 downto 0) := (others => '0');
   signal word       : program_word_t := (others => '0');
   signal operation  : std_ulogic_vector(2 downto 0);
+  signal is_byte    : std_ulogic;
+  signal is_output  : std_ulogic;
+  signal sends      : word_t := (others => '0'); -- the output whose bytes are sent
+  signal taken      : word_t := (others => '0'); -- the same, for the bytes behind the first
   signal failing    : std_ulogic; -- the rest of this try is passed over
   signal valid      : std_ulogic;
   signal set_up     : std_ulogic;
-  signal reason     : std_ulogic_vector(1 downto 0) := "00";
+  signal reason     : failure_t := "00";
+  signal code       : byte_t := (others => '0'); -- of the last refusal
   signal failures   : unsigned(15 downto 0) := (others => '0');
   signal in_a_row   : unsigned(3 downto 0);
 
   signal operates, waits, halts, starts, stamps, ends, commits, readies     : std_ulogic;
-  signal fails, too_many, anew, passes, steps, answered, differs, keeps, ends_value : std_ulogic;
+  signal fails, too_many, anew, passes, skips, steps, answered, differs, keeps, ends_value : std_ulogic;
 
   -- Times.
   signal tick_phase : unsigned(tick_bits downto 0); -- its highest bit is a tick each us
@@ -104,21 +120,45 @@ architecture rtl of bus_sequencer is
 
 begin
 
+  assert values + outputs <= 27
+    report "bus_sequencer: at most 27 values and outputs fit, got " & integer'image(values + outputs)
+    severity failure;
+
   asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err;
   tick      <= tick_phase(tick_bits);
   operation <= word(13 downto 11);
 
-  request.go      <= '1' when state = running and word(15) = '0' and failing = '0' else '0';
+  is_output <= word(15) and not word(14) and to_bit(outputs > 0);
+  is_byte   <= not word(15) or is_output;
+
+  request.go      <= '1' when state = running and is_byte = '1' and failing = '0' else '0';
   request.first   <= word(13);
   request.last    <= word(12);
   request.receive <= word(11);
-  request.data    <= word(7 downto 0);
 
-  status <= (0 => valid, 1 => set_up, 4 => reason(0), 5 => reason(1), others => '0');
+  send : process (all) is
+  begin
+    request.data <= word(7 downto 0);
+    sends        <= taken;
+    if is_output = '1' then
+      if word(10) = '1' then
+        sends <= given(to_integer(unsigned(word(2 downto 0))));
+      end if;
+      case word(9 downto 8) is
+        when "00"   => request.data <= sends(7 downto 0);
+        when "01"   => request.data <= sends(15 downto 8);
+        when "10"   => request.data <= sends(23 downto 16);
+        when others => request.data <= sends(31 downto 24);
+      end case;
+    end if;
+  end process;
+
+  status <= (0 => valid, 1 => set_up, 4 => reason(0), 5 => reason(1), 6 => code(0), 7 => code(1), 8 => code(2),
+             9 => code(3), 10 => code(4), 11 => code(5), 12 => code(6), 13 => code(7), others => '0');
 
   -- What is written to the bank that is not read.
   stamps     <= operates and not failing when operation = operation_sample else '0';
-  keeps      <= answered and word(10);
+  keeps      <= answered and word(10) and not is_output;
   ends_value <= keeps and word(0) when word(11) = '1' else keeps and nor word(9 downto 8);
   put_at <= (not bank) & to_unsigned(stamp_index, 5) when stamps = '1' else (not bank) & pointer;
   got_at <= bank & unsigned(wishbone_m2s.adr(index_t'range));
@@ -152,16 +192,26 @@ begin
       index := to_integer(unsigned(wishbone_m2s.adr(index_t'range)));
       known := unsigned(wishbone_m2s.adr(31 downto index_t'length)) = 0 and index < words;
       if wishbone_m2s.we = '1' then
-        known := known and index = 0 and wishbone_m2s.sel(all_bytes'range) = all_bytes;
+        known := known and (index = 0 or (outputs > 0 and index >= first_output)) and
+                 wishbone_m2s.sel(all_bytes'range) = all_bytes;
       end if;
 
       if asked = '1' then
         ack <= '1' when known else '0';
         err <= '0' when known else '1';
-        if known and wishbone_m2s.we = '1' then
+        if known and wishbone_m2s.we = '1' and index = 0 then
           enable <= wishbone_m2s.dat(0);
         end if;
         side <= (others => '0');
+        for number in 0 to outputs - 1 loop
+          if index = first_output + number then
+            side <= given(number);
+            if known and wishbone_m2s.we = '1' then
+              given(number)(data_width - 1 downto 0) <= wishbone_m2s.dat(data_width - 1 downto 0);
+              told(number)                            <= '1';
+            end if;
+          end if;
+        end loop;
         case index is
           when 0 =>
             side(0) <= enable;
@@ -180,6 +230,8 @@ begin
         ack    <= '0';
         err    <= '0';
         enable <= '1';
+        given  <= (others => (others => '0'));
+        told   <= (others => '0');
       end if;
     end if;
   end process;
@@ -201,7 +253,7 @@ begin
   end process;
 
   -- What a word of the program does.
-  operates <= '1' when state = running and word(15) = '1' else '0';
+  operates <= '1' when state = running and is_byte = '0' else '0';
   waits    <= operates when operation = operation_wait else '0';
   ends     <= operates when operation = operation_commit else '0';
   readies  <= operates when operation = operation_ready else '0';
@@ -214,8 +266,9 @@ begin
   anew     <= halts or too_many;
   answered <= reply.done when state = exchanging else '0';
   differs  <= word(14) when reply.data /= word(7 downto 0) else '0';
-  passes   <= '1' when state = running and word(15) = '0' and failing = '1' else '0';
-  steps    <= answered or passes or stamps or starts or (waits and failing) or (readies and not failing);
+  passes   <= '1' when state = running and is_byte = '1' and failing = '1' else '0';
+  skips    <= operates when operation = operation_skip and outputs > 0 else '0';
+  steps    <= answered or passes or stamps or starts or (waits and failing) or (readies and not failing) or skips;
 
   run : process (clock) is
   begin
@@ -225,7 +278,7 @@ begin
 
       if reset = '1' or anew = '1' then
         pc <= (others => '0');
-      elsif commits = '1' or fails = '1' then
+      elsif commits = '1' or fails = '1' or (skips and not told(to_integer(unsigned(word(10 downto 8))))) = '1' then
         pc <= unsigned(word(7 downto 0));
       elsif steps = '1' then
         pc <= pc + 1;
@@ -246,7 +299,17 @@ begin
       end if;
 
       if answered = '1' and (reply.failed = '1' or differs = '1') then
-        reason <= (not reply.failed) & reply.failed;
+        reason <= failure_wrong_reply;
+        if reply.failed = '1' then
+          reason <= reply.reason;
+          if reply.reason = failure_refused then
+            code <= reply.data;
+          end if;
+        end if;
+      end if;
+
+      if request.go = '1' then
+        taken <= sends;
       end if;
 
       if reset = '1' or anew = '1' then

@@ -3,13 +3,16 @@
 -- The words of a program of bus_sequencer, and what it asks of a bus. The program is a text of hexadecimal digits, four
 -- for each word.
 --
---   bits 15:14  00 a byte, 01 a byte whose reply must be equal to it, 11 an operation
+--   bits 15:14  00 a byte, 01 a byte whose reply must be equal to it, 10 a byte of an output, 11 an operation
 --   a byte      bit 13 begins a frame before it, 12 ends the frame after it, 11 the device sends it, 10 keep the reply,
 --               9:8 at this byte of the value, 7:0 the byte. The last byte of a value goes on to the next value: it is
 --               at byte 0, or, if the device sends it, has bit 0 set.
+--   an output   bits 13 and 12 as above, 9:8 the byte of the output, 2:0 which one. Bit 10 takes the output at once;
+--               the bytes without it are of the one that was taken. So all bytes are of one write.
 --   operation   bits 13:11 say which one:
 --               0 wait until the timer is zero, then start it: 7:0 the time in us, with bit 10 in 256 us
 --               1 a sample begins    2 it ends; go on at the word 7:0    3 the set-up ends
+--               4 go on at the word 7:0 if the output 10:8 was never written
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,6 +28,13 @@ package sequencer_pkg is
   constant operation_sample : std_ulogic_vector(2 downto 0) := "001";
   constant operation_commit : std_ulogic_vector(2 downto 0) := "010";
   constant operation_ready  : std_ulogic_vector(2 downto 0) := "011";
+  constant operation_skip   : std_ulogic_vector(2 downto 0) := "100";
+
+  -- Why a byte failed.
+  subtype failure_t is std_ulogic_vector(1 downto 0);
+  constant failure_no_answer   : failure_t := "01";
+  constant failure_wrong_reply : failure_t := "10";
+  constant failure_refused     : failure_t := "11"; -- the device says so, and the data say why
 
   -- A byte that is to be exchanged. `go` is high for one clock.
   type bus_request_t is record
@@ -38,7 +48,8 @@ package sequencer_pkg is
   -- What came back. `done` is high for one clock.
   type bus_reply_t is record
     done   : std_ulogic;
-    failed : std_ulogic; -- nothing answers, and the frame has ended
+    failed : std_ulogic; -- the frame has ended, and `reason` is why
+    reason : failure_t;
     data   : byte_t;
   end record;
 

@@ -67,6 +67,7 @@ begin
     port map (clock => clock, asynchronous(0) => miso, levels => level);
 
   reply.failed <= '0';
+  reply.reason <= failure_no_answer;
   reply.data   <= shift;
 
   -- What ends with this clock: each state but idle lasts until the counter is zero.

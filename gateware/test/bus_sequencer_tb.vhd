@@ -31,7 +31,8 @@ architecture test of bus_sequencer_tb is
   signal s2m   : wishbone_s2m_t;
   signal sampled, failed : std_ulogic;
   signal request : bus_request_t;
-  signal reply   : bus_reply_t := (done => '0', failed => '0', data => x"00");
+  signal reply   : bus_reply_t :=
+    (done => '0', failed => '0', reason => failure_no_answer, data => x"00");
 
   type bytes_t is array (0 to 6) of byte_t;
   signal replies : bytes_t := (others => x"00"); -- of the frame that ended

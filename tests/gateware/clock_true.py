@@ -197,10 +197,11 @@ class Case:
     change. `clocks` is how long the short form is. `outside` gives
     the changes of the pins until a clock, if pins at random would never be what the component waits for.
     `device` is a device of the component's folder, to be tried instead of the component. `program` is that of
-    a device, if no description has such a one. With `shaft` the first two pins are those of an encoder, which
-    turns, turns back, and rests: its edges are so many clocks apart. `rest` is the level of all pins between
-    two bursts. Without it they stay as they are. `answers` gives the changes of the pins from the accesses,
-    for a component that must be answered: it plays its model to see what is asked.
+    a device, if no description has such a one, and `generics` are those that go with it. With `shaft` the
+    first two pins are those of an encoder, which turns, turns back, and rests: its edges are so many clocks
+    apart. `rest` is the level of all pins between two bursts. Without it they stay as they are. `answers`
+    gives the changes of the pins from the accesses, for a component that must be answered: it plays its
+    model to see what is asked.
     """
 
     arguments: str = ""
@@ -210,6 +211,7 @@ class Case:
     wait: int = 0
     device: str = ""
     program: str = ""
+    generics: Mapping[str, int] = field(default_factory=dict)
     start: int = 0
     shaft: Sequence[int] = ()
     slow: int = 0

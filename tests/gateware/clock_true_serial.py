@@ -5,11 +5,32 @@ from __future__ import annotations
 
 from gateware.clock_true import Case
 from gateware.clock_true_words import SERVO_BUS
+from gateware.modbus_line import ORDERS, replies_of_modbus
 from gateware.rc_line import ppm_line, sbus_line
 from gateware.serial_line import serial_line
 from gateware.servo_line import replies_of_servos
 
 SERIAL_CASES = {
+    "modbus_master": (
+        Case(
+            "address=17, words=3, period=4 ms, baud_hz=100000, timeout=2 ms",
+            {0: (*[1] * 30, 0)},
+            pause=900,
+            clocks=200_000,
+            clock_hz=1_000_000,
+            answers=replies_of_modbus,
+        ),
+        Case(
+            "words=4, parity=0, stop_bits=2, baud_hz=57600, timeout=3 ms, failures_most=1",
+            {0: (*[1] * 60, 0)},
+            pause=2000,
+            clocks=300_000,
+            clock_hz=1_300_000,
+            program=ORDERS,
+            generics={"values": 3, "outputs": 1},
+            answers=replies_of_modbus,
+        ),
+    ),
     "servo_bus": (
         Case(
             "servos=2, baud_hz=230400, cycle_hz=200, timeout_us=300, failures_most=2",

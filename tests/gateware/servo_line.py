@@ -60,7 +60,7 @@ def changes(start: float, bit: float, bits: Sequence[int], pin: int = 0) -> Iter
         before = level
 
 
-def sent(trace: Sequence[Stimulus], bit: float) -> Iterator[tuple[int, bytes]]:
+def sent(trace: Sequence[Stimulus], bit: float, bits_of_byte: int = 10) -> Iterator[tuple[int, bytes]]:
     """Yield what was sent, and when its driver was switched off."""
     line = [(state, value) for state, what, number, value in trace if (what, number) == ("o", 0)]
     begun = 0
@@ -72,7 +72,7 @@ def sent(trace: Sequence[Stimulus], bit: float) -> Iterator[tuple[int, bytes]]:
             while (fall := next((s for s, v in line if at <= s < state and v == 0), None)) is not None:
                 bits = [[v for s, v in line if s <= fall + (place + 1.5) * bit][-1] for place in range(8)]
                 found.append(sum(level << place for place, level in enumerate(bits)))
-                at = int(fall + 9.5 * bit)
+                at = int(fall + (bits_of_byte - 0.5) * bit)
             yield state, bytes(found)
 
 

@@ -312,7 +312,7 @@ def configuration(name: str, case: Case) -> ComponentConfiguration:
     assert spec is not None
     one = components_of(spec, case.clock_hz)[-1]
     if case.program:
-        generics = tuple({**dict(one.generics), "program": case.program}.items())
+        generics = tuple({**dict(one.generics), "program": case.program, **case.generics}.items())
         one = dataclasses.replace(one, generics=generics)
     return dataclasses.replace(one, event_groups=tuple(range(len(one.events))))
 

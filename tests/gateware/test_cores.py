@@ -155,6 +155,18 @@ def test_pulses_that_the_clock_cannot_give_stop_elaboration(ghdl: Any) -> None:
 
 @pytest.mark.parametrize(
     "generics",
+    [{}, {"parity": 0, "stop_bits": 2, "baud_hz": 57_600, "clock_hz": 1_500_000}, {"parity": 2}],
+)
+def test_modbus_master(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("modbus_master_tb", **generics)
+
+
+def test_a_clock_that_is_too_slow_for_modbus_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("modbus_master_tb", "a rate of 1000000 Hz is above its clock of 999999", clock_hz=999_999)
+
+
+@pytest.mark.parametrize(
+    "generics",
     [
         {},
         {"clock_hz": 1_000_000, "channels": 5, "inverted": 0, "lost_us": 0},

@@ -254,6 +254,12 @@ ROWS = (
         mhz_least=50.0,
     ),
     Row(
+        "modbus_master",
+        "a component: reads a register over Modbus, by a table",
+        top="modbus_master",
+        mhz_least=50.0,
+    ),
+    Row(
         "rc_receiver",
         "a component: the 16 channels of a remote control with S.Bus",
         top="rc_receiver",

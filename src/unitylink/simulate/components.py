@@ -15,6 +15,7 @@ from .device_registers import DeviceRegisters
 from .distance_sensor import DistanceSensor
 from .led_strip import LedStrip
 from .load_cell import LoadCell
+from .modbus_device import ModbusDevice
 from .radio import Radio
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
@@ -65,6 +66,7 @@ class BoardComponent:
         self._led_strip: LedStrip | None = None
         self._thermometer: Thermometer | None = None
         self._radio: Radio | None = None
+        self._modbus: dict[int, ModbusDevice] = {}
         self._last: dict[int, tuple[float, float]] = {}  # pin -> high time and time of the last look
 
     def drive(self, port: str, level: bool | int, bit: int = 0) -> None:
@@ -178,11 +180,23 @@ class BoardComponent:
         """
         if self._serial is None:
             self.drive("rx", True)
-            facts = {name: int(value) for name, value in self.configuration.generics}
-            self._serial = SerialEnd(self, baud_hz or facts["baud_hz"], facts["parity"], facts["stop_bits"])
+            facts = dict(self.configuration.generics)
+            parity, stop_bits = int(facts["parity"]), int(facts["stop_bits"])
+            self._serial = SerialEnd(self, baud_hz or int(facts["baud_hz"]), parity, stop_bits)
         elif baud_hz:
             self._serial.baud_hz = baud_hz
         return self._serial
+
+    def modbus(self, unit: int = 1) -> ModbusDevice:
+        """Return the device of this unit on the line of a `modbus_master`. The first call puts it there.
+
+        drive = board.components["pump"].modbus(unit=1)
+        drive[0x2100] = 0
+        drive.answer()  # in each step of a plant
+        """
+        if unit not in self._modbus:
+            self._modbus[unit] = ModbusDevice(self.serial(), unit)
+        return self._modbus[unit]
 
     def radio(self) -> Radio:
         """Return the receiver of a remote control at an `rc_receiver`. The first call puts it there.

@@ -12,7 +12,8 @@ namespace {
 constexpr std::uint32_t longest_age = (1u << 20) - 1;
 
 std::string writable_words(const ComponentConfiguration& from) {
-  return "1" + std::string(4 + static_cast<std::size_t>(from.generic("values", 1)), '0');
+  return "1" + std::string(4 + static_cast<std::size_t>(from.generic("values", 1)), '0') +
+         std::string(static_cast<std::size_t>(from.generic("outputs", 0)), '1');
 }
 
 }  // namespace
@@ -20,6 +21,7 @@ std::string writable_words(const ComponentConfiguration& from) {
 BusSequencer::BusSequencer(const ComponentConfiguration& from)
     : Component(from, writable_words(from), false),
       values_(static_cast<std::uint32_t>(from.generic("values", 1))),
+      outputs_(static_cast<std::uint32_t>(from.generic("outputs", 0))),
       failures_most_(static_cast<std::uint32_t>(from.generic("failures_most", 3))),
       data_mask_(from.data_mask()),
       tick_(static_cast<std::uint64_t>(from.generic("clock_hz", 50'000'000)), 1'000'000) {
@@ -52,16 +54,14 @@ void BusSequencer::run(Clock edge) {
       }
       break;
     case State::running:
-      if ((word_ & 0x8000u) != 0) {
+      if ((word_ & 0xC000u) == 0xC000u) {
         operate(edge);
       } else if (failing_) {
         go_on(edge);
       } else {
         state_ = State::exchanging;
         due_ = never;
-        begin({(word_ & 0x2000u) != 0, (word_ & 0x1000u) != 0, (word_ & 0x0800u) != 0,
-               static_cast<std::uint8_t>(word_ & 0xFFu)},
-              edge);
+        begin({(word_ & 0x2000u) != 0, (word_ & 0x1000u) != 0, (word_ & 0x0800u) != 0, byte_to_send()}, edge);
       }
       break;
     case State::exchanging:
@@ -70,6 +70,17 @@ void BusSequencer::run(Clock edge) {
       }
       break;
   }
+}
+
+// All bytes of an output are of the moment of the first one.
+std::uint8_t BusSequencer::byte_to_send() noexcept {
+  if ((word_ & 0x8000u) == 0 || outputs_ == 0) {
+    return static_cast<std::uint8_t>(word_ & 0xFFu);
+  }
+  if ((word_ & 0x0400u) != 0) {
+    taken_ = write_word(first_value + values_ + (word_ & 7u)) & data_mask_;
+  }
+  return static_cast<std::uint8_t>(taken_ >> 8 * (word_ >> 8 & 3u));
 }
 
 void BusSequencer::operate(Clock edge) {
@@ -118,6 +129,13 @@ void BusSequencer::operate(Clock edge) {
         go_to(word_ & 0xFFu, edge);
       }
       break;
+    case skip:
+      if ((told_ >> (word_ >> 8 & 7u) & 1u) == 0) {
+        go_to(word_ & 0xFFu, edge);
+      } else {
+        go_on(edge);
+      }
+      break;
     default:
       if (failing_) {
         fail(edge);
@@ -132,11 +150,14 @@ void BusSequencer::operate(Clock edge) {
 
 void BusSequencer::answered(Clock edge) {
   const bool differs = (word_ & 0x4000u) != 0 && reply_data_ != (word_ & 0xFFu);
-  if (reply_failed_ || differs) {
+  if (reply_failure_ != BusFailure::none || differs) {
     failing_ = true;
-    reason_ = reply_failed_ ? 1 : 2;
+    reason_ = static_cast<std::uint32_t>(reply_failure_ != BusFailure::none ? reply_failure_ : BusFailure::wrong_reply);
+    if (reply_failure_ == BusFailure::refused) {
+      code_ = reply_data_;
+    }
   }
-  if ((word_ & 0x0400u) != 0) {
+  if ((word_ & 0x8400u) == 0x0400u) {
     keep();
   }
   go_on(edge);
@@ -175,9 +196,16 @@ void BusSequencer::fail(Clock edge) {
   event(1, edge);
 }
 
-void BusSequencer::show(Clock edge) { word(status, (valid_ ? 1u : 0u) | (set_up_ ? 2u : 0u) | reason_ << 4, edge); }
+void BusSequencer::show(Clock edge) {
+  word(status, (valid_ ? 1u : 0u) | (set_up_ ? 2u : 0u) | reason_ << 4 | code_ << 6, edge);
+}
 
 void BusSequencer::stored(std::uint32_t address, Clock edge) {
+  if (address != control) {
+    told_ |= 1u << (address - first_value - values_);
+    word(address, write_word(address) & data_mask_, edge);
+    return;
+  }
   enable_ = (write_word(address) & 1u) != 0;
   word(control, enable_ ? 1 : 0, edge);
 }
@@ -189,8 +217,8 @@ void BusSequencer::look(std::uint32_t address, Clock state) {
   }
 }
 
-void BusSequencer::reply(bool failed, std::uint8_t data, Clock edge) noexcept {
-  reply_failed_ = failed;
+void BusSequencer::reply(BusFailure failure, std::uint8_t data, Clock edge) noexcept {
+  reply_failure_ = failure;
   reply_data_ = data;
   replied_ = edge + 1;
 }

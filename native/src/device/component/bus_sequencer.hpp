@@ -19,6 +19,9 @@ struct BusRequest {
   std::uint8_t data = 0;
 };
 
+// Why a byte failed.
+enum class BusFailure : std::uint32_t { none, no_answer, wrong_reply, refused };
+
 class BusSequencer : public Component {
  public:
   explicit BusSequencer(const ComponentConfiguration& from);
@@ -29,19 +32,21 @@ class BusSequencer : public Component {
   // The next edge at which the bus does something by itself, and that edge.
   [[nodiscard]] virtual Clock next_of_bus() const noexcept = 0;
   virtual void step_bus(Clock edge) = 0;
-  // At `edge` the byte has come, or nothing answers. The sequencer sees it one clock later.
-  void reply(bool failed, std::uint8_t data, Clock edge) noexcept;
+  // At `edge` the byte has come, or it has failed. The sequencer sees it one clock later. The data of a refusal say
+  // why.
+  void reply(BusFailure failure, std::uint8_t data, Clock edge) noexcept;
 
  private:
   enum Register : std::uint32_t { control, status, failures, age, stamp, first_value };
   enum class State { fetching, running, exchanging };
-  enum Operation : std::uint32_t { wait, sample, commit, ready };
+  enum Operation : std::uint32_t { wait, sample, commit, ready, skip };
 
   [[nodiscard]] Clock next() const noexcept final;
   void step(Clock edge) final;
   void stored(std::uint32_t address, Clock edge) final;
   void look(std::uint32_t address, Clock state) final;
 
+  [[nodiscard]] std::uint8_t byte_to_send() noexcept;
   void run(Clock edge);
   void operate(Clock edge);
   void answered(Clock edge);
@@ -54,6 +59,7 @@ class BusSequencer : public Component {
 
   std::array<std::uint16_t, 256> program_{};
   std::uint32_t values_;
+  std::uint32_t outputs_;
   std::uint32_t failures_most_;
   std::uint32_t data_mask_;
   Tick tick_;  // of a microsecond
@@ -67,12 +73,15 @@ class BusSequencer : public Component {
   bool valid_ = false;
   bool set_up_ = false;
   std::uint32_t reason_ = 0;
+  std::uint32_t code_ = 0;   // of the last refusal
+  std::uint32_t told_ = 0;   // outputs that were written
+  std::uint32_t taken_ = 0;  // the output whose bytes are sent
   std::uint32_t failed_ = 0;
   std::uint32_t in_a_row_ = 0;
   Clock expired_from_ = 0;         // the first state in which the timer is zero
   std::uint64_t fresh_since_ = 0;  // the tick at the end of the last sample
   Clock replied_ = never;          // the state that has the reply
-  bool reply_failed_ = false;
+  BusFailure reply_failure_ = BusFailure::none;
   std::uint8_t reply_data_ = 0;
   std::uint32_t bank_ = 0;
   std::uint32_t pointer_ = 0;

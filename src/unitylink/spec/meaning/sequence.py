@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The program of a device on SPI or I²C: from annotations of a constructor to words of `bus_sequencer.vhd`.
+"""The program of a device on SPI, I²C or Modbus: from annotations to words of `bus_sequencer.vhd`.
 
 `@sequence("spi", period=1 ms)` or `@sequence("i2c", address=0x68, period=1 ms)` says that there is a program.
 `@setup("write", 0x11, 0x01)` is a step at the start, and `@cycle("read", 0x9D, words=7, bytes=2)` one of each
@@ -14,7 +14,9 @@ from fractions import Fraction
 
 from ..text.syntax import AnnotationNode, Argument
 from ..units import unit
+from . import modbus
 from .evaluate import Evaluator, Value
+from .sequence_words import CHECK, CONTROL, FIRST, KEEP, LANE, LAST, RECEIVE
 
 KINDS = ("sequence", "setup", "cycle")
 MOST_WORDS = 27  # that a device may give: 32 less those of bus_sequencer
@@ -23,12 +25,12 @@ _PAUSE_US = (
     1000  # before each set-up, so that a device that does not answer is asked a thousand times a second
 )
 _LONGEST_US = 2_000_000
-_BUSES = ("spi", "i2c")
+_MOST_OUTPUTS = 8
+# each bus, with its component and the addresses of its devices
+_BUSES = {"spi": "spi_device", "i2c": "i2c_device", "modbus": "modbus_master"}
+_ADDRESSES = {"i2c": (0x08, 0x77), "modbus": (1, 247)}
 
-# The fields of a word. A control word has _CONTROL, and its operation in bits 13 to 11.
-_CHECK, _CONTROL = 0x4000, 0xC000
-_FIRST, _LAST, _RECEIVE, _KEEP, _LANE = 0x2000, 0x1000, 0x0800, 0x0400, 0x0100
-_WAIT, _SAMPLE, _COMMIT, _READY = (_CONTROL | number << 11 for number in range(4))
+_WAIT, _SAMPLE, _COMMIT, _READY = (CONTROL | number << 11 for number in range(4))
 _COARSE = 0x0400  # the time is in 256 us
 
 _STEPS = {
@@ -39,6 +41,12 @@ _STEPS = {
     "exchange": '`"exchange", 0x06, 0x00, 0x00, keep=2`',
 }
 _OPTIONS = {"check": ("reply",), "read": ("words", "bytes", "order"), "exchange": ("words", "keep")}
+_MODBUS_STEPS = {
+    "wait": '`"wait", 1 ms`',
+    "write": '`"write", 0x2000` for each period, `"write", 0x2000, 1` for a set-up',
+    "read": '`"read", 0x100, words=2`',
+}
+_MODBUS_OPTIONS = {"read": ("words", "bytes", "order", "unit", "function"), "write": ("unit", "function")}
 
 
 @dataclass
@@ -49,6 +57,7 @@ class Program:
     address: int = 0
     words: list[int] = field(default_factory=list)
     values: int = 0
+    outputs: int = 0
 
     def wait(self, microseconds: int) -> None:
         """Wait for the time that runs, then start this one.
@@ -68,17 +77,17 @@ class Program:
 
         Of the bytes sent the last replies are kept: `words` times `keep` of them.
         """
-        lanes = [_KEEP | lane * _LANE for lane in reversed(range(keep))] * words
+        lanes = [KEEP | lane * LANE for lane in reversed(range(keep))] * words
         frame = [
             byte | flags for byte, flags in zip(sent, [0] * (len(sent) - len(lanes)) + lanes, strict=True)
         ]
         if self.bus == "i2c":
-            frame = [_FIRST | self.address << 1, *frame] if frame else []
+            frame = [FIRST | self.address << 1, *frame] if frame else []
             if received:
-                frame.append(_FIRST | self.address << 1 | 1)
+                frame.append(FIRST | self.address << 1 | 1)
         frame += received
-        frame[0] |= _FIRST
-        frame[-1] |= _LAST
+        frame[0] |= FIRST
+        frame[-1] |= LAST
         self.words += frame
         self.values += words if keep else 0
 
@@ -132,26 +141,81 @@ class _Assembler:
         elif not 1 <= program.values <= MOST_WORDS:
             message = f"this program gives {program.values} values"
             self._report(heads[0], message, f"read 1 to {MOST_WORDS} words in all")
-        return [("program", program.text()), ("values", program.values)] if self.good else []
+        elif program.outputs > _MOST_OUTPUTS or program.values + program.outputs > MOST_WORDS:
+            message = f"this program writes {program.outputs} registers"
+            self._report(heads[0], message, f"at most {_MOST_OUTPUTS}, {MOST_WORDS} with values")
+        found: list[tuple[str, int | str]] = [("program", program.text()), ("values", program.values)]
+        if program.bus == "modbus":
+            found.append(("outputs", program.outputs))
+        return found if self.good else []
 
     def _head(self, node: AnnotationNode) -> tuple[Program | None, int]:
         bus, options = self._arguments(node, ("period", "address"))
         name = self.evaluator.value(bus[0], self.names) if len(bus) == 1 else None
-        if name not in _BUSES or "period" not in options or ("address" in options) != (name == "i2c"):
+        if name not in _BUSES or "period" not in options or ("address" in options) != (name in _ADDRESSES):
             shown = '`@sequence("spi", period=1 ms)` or `@sequence("i2c", address=0x68, period=1 ms)`'
             self._report(node, "this is no `@sequence` of a program", shown)
             return None, 0
-        others = [f"{one}_device" for one in _BUSES if one != name]
+        others = [entity for one, entity in _BUSES.items() if one != name]
         if self.entity in others:  # their words look alike, and would be run as something else
             message = f"this is a program for {name}, and the component is `{self.entity}`"
-            self._report(node, message, f'`@component("{name}_device")`, or a `@sequence` for the other bus')
+            right = _BUSES[str(name)]
+            self._report(node, message, f'`@component("{right}")`, or a `@sequence` for the other bus')
             return None, 0
         program = Program(str(name))
-        if name == "i2c":
-            program.address = self._number(options["address"], "the address of a device", 0x08, 0x77)
+        if name in _ADDRESSES:
+            low, high = _ADDRESSES[str(name)]
+            program.address = self._number(options["address"], "the address of a device", low, high)
         return program, self._microseconds(options["period"], "a period")
 
+    def _modbus_step(self, node: AnnotationNode, program: Program) -> None:
+        """Read a register, or write it: a constant at the start, an output in each period."""
+        arguments, options = self._arguments(node, ("words", "bytes", "order", "unit", "function"))
+        step = self.evaluator.value(arguments[0], self.names) if arguments else None
+        fits = set(options) <= set(_MODBUS_OPTIONS.get(str(step), ()))
+        wanted = 3 if step == "write" and node.name.text == "setup" else 2
+        if step not in _MODBUS_STEPS or not fits or len(arguments) != wanted:
+            shown = _MODBUS_STEPS.get(str(step), ", ".join(_MODBUS_STEPS.values()))
+            self._report(node, "this is no step of a program on modbus", shown)
+            return
+        if step == "wait":
+            program.wait(self._microseconds(arguments[1], "a wait"))
+            program.wait(0)
+            return
+        register = self._number(arguments[1], "a register", 0, 0xFFFF)
+        unit_id = self._option(options, "unit", 1, 247, program.address)
+        if step == "read":
+            if node.name.text == "setup":
+                self._report(node, "`read` is a step of each period", "write `@cycle` for `@setup`")
+                return
+            function = self._one_of(options, "function", (3, 4), 3)
+            words = self._option(options, "words", 1, MOST_WORDS, 1)
+            size = self._one_of(options, "bytes", (2, 4), 2)
+            low_first = self._little(options.get("order"))
+            program.words += modbus.read_words(unit_id, function, register, words, size, low_first=low_first)
+            program.values += words
+            return
+        function = self._one_of(options, "function", (6, 16), 6)
+        if node.name.text == "setup":
+            value = modbus.constant(self._number(arguments[2], "the value of a register", 0, 0xFFFF))
+            program.words += modbus.write_words(unit_id, function, register, value)
+            return
+        place, output = len(program.words), program.outputs & 7
+        program.words += modbus.output_words(unit_id, function, register, output, place)
+        program.outputs += 1
+
+    def _one_of(
+        self, options: Mapping[str, Argument], name: str, known: tuple[int, ...], default: int
+    ) -> int:
+        value = self._option(options, name, known[0], known[-1], default)
+        if value not in known:
+            self._refuse(options[name], f"`{name}` is {value}", " or ".join(map(str, known)))
+        return value
+
     def _step(self, node: AnnotationNode, program: Program) -> None:
+        if program.bus == "modbus":
+            self._modbus_step(node, program)
+            return
         arguments, options = self._arguments(node, ("reply", "words", "bytes", "order", "keep"))
         step = self.evaluator.value(arguments[0], self.names) if arguments else None
         known = [one for one in _STEPS if one != "exchange" or program.bus == "spi"]
@@ -173,7 +237,7 @@ class _Assembler:
             program.frame(sent, [])
         elif step == "check":
             reply = self._number(options["reply"], "a reply", 0, 255)
-            program.frame(sent, [_CHECK | _RECEIVE | reply])
+            program.frame(sent, [CHECK | RECEIVE | reply])
         elif step == "exchange":
             words = self._option(options, "words", 1, max(1, len(sent)), 1)
             most = min(4, len(sent) // words)
@@ -183,7 +247,7 @@ class _Assembler:
             words = self._option(options, "words", 1, MOST_WORDS, 1)
             size = self._option(options, "bytes", 1, 4, 1)
             lanes = [*range(size)] if self._little(options.get("order")) else [*reversed(range(size))]
-            one = [_RECEIVE | _KEEP | lane * _LANE for lane in lanes]
+            one = [RECEIVE | KEEP | lane * LANE for lane in lanes]
             one[-1] |= 1  # the next byte belongs to the next word
             program.frame(sent, one * words)
             program.values += words
