@@ -23,6 +23,8 @@ KINDS = {
     "bldc": "foc closes a current loop; write it with its wires and numbers into the spec",
     "ds18b20": "one_wire reads it; write it into the spec",
     "hx711": "hx711 reads it; write it with its scale into the spec",
+    "freqout": "pulse_generator gives it; write it with its highest frequency into the spec",
+    "modbus": "modbus_master reads and writes registers; write its table into the spec",
     "sonar": "sonar reads it; write it into the spec",
     "ws2812b": "ws2812 drives it; write it with its number of LEDs into the spec",
     "pdmout": "no component makes pulse density; pwm may do",
