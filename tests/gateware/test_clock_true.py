@@ -31,6 +31,7 @@ from gateware.clock_true_words import (
     stepgen_values,
 )
 from gateware.dshot_line import replies_of_dshot
+from gateware.hall_lines import hall_lines
 from gateware.random_wires import random_wires
 from gateware.simulators import Ghdl
 
@@ -144,6 +145,12 @@ CASES = {
             clocks=200_000,
         ),
         Case("inputs=16, filter=3 us, watchdog=2 ms", {0: (0, 1)}, pause=1500, quiet=9000, rest=1),
+    ),
+    "hall": (
+        Case(
+            "filter_ns=0, with_velocity=1, velocity_us=120, stall_us=260", outside=hall_lines, clocks=60_000
+        ),
+        Case("filter_ns=1500", outside=hall_lines, clocks=500_000, pause=400),
     ),
     "h_bridge": (
         Case("frequency_hz=40000, duty_bits=6, dead_minimum_ns=900", H_BRIDGE, pause=300, quiet=3000),

@@ -241,6 +241,11 @@ def test_estop(ghdl: Any, closed_level: int) -> None:
     ghdl.run("estop_tb", closed_level=closed_level)
 
 
+@pytest.mark.parametrize("with_velocity", [0, 1])
+def test_hall(ghdl: Any, with_velocity: int) -> None:
+    ghdl.run("hall_tb", with_velocity=with_velocity)
+
+
 @pytest.mark.parametrize("coast", [0, 1])
 def test_h_bridge(ghdl: Any, coast: int) -> None:
     ghdl.run("h_bridge_tb", coast=coast)

@@ -367,4 +367,16 @@ ROWS = (
     Row("i2c_device", "a component: sets a device on I2C up and reads it, by a table", top="i2c_device"),
     Row("pid", "a component: a control loop between wires", top="narrow_pid"),
     Row("foc", "a component: the current loop of a brushless motor", top="narrow_foc", mhz_least=50.0),
+    Row(
+        "hall",
+        "a component: the Hall sensors of a brushless motor, without the velocity",
+        top="narrow_hall",
+        mhz_least=50.0,
+    ),
+    Row(
+        "quadrature_encoder_velocity",
+        "a part of a component: the velocity of an encoder, or of Hall sensors",
+        top="quadrature_encoder_velocity",
+        mhz_least=50.0,
+    ),
 )
