@@ -14,8 +14,9 @@ from unitylink.optional import absent
 
 if TYPE_CHECKING:
     from .environment import RobotEnvironment
+    from .vector import RobotVector
 
-__all__ = ["make"]
+__all__ = ["make", "make_vector"]
 
 
 def make(
@@ -51,3 +52,23 @@ def make(
 
     task = Task(dt_s, reward, done, home, most_steps)
     return RobotEnvironment(url, task, spec=spec, observed=observed, commanded=commanded)
+
+
+def make_vector(url: str, count: int, **more: Any) -> RobotVector:
+    """Return `count` environments of virtual boards in this process, as one of Gymnasium's vectors.
+
+    `more` is as for `make`. A period passes for all boards together.
+
+    Raises UnityLinkError, and what `make` raises.
+    """
+    made: list[RobotEnvironment] = []
+    try:
+        while len(made) < count:
+            made.append(make(url, **more))
+        from .vector import RobotVector
+
+        return RobotVector(made)
+    except BaseException:
+        for each in made:
+            each.close()
+        raise

@@ -68,6 +68,8 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         self._robot: Any = None
         self._steps = self._clipped = self._missed = 0
         self._due_s = self._begun_s = 0.0
+        self._written: dict[str, Any] = {}
+        self._lost: LinkError | None = None
         self._open(0)
         self._last = np.zeros(len(self.observed))
         self.observation_space = _space(self.observed)
@@ -95,30 +97,62 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         A lost link ends the episode: it is truncated, and `info["lost"]` says why. Raises UnityLinkError with
         the number of the step if the reward fails.
         """
-        link = self._now()
-        written: dict[str, Any] = {}
-        for channel, number in zip(self.commanded, np.asarray(action, dtype=np.float64).ravel(), strict=True):
-            written[channel.path], clipped = channel.taken(float(number))
-            self._clipped += clipped
-        try:
-            self._commands.write(list(written.values()))
-            self._wait(link)
-            seen = self._look()
-        except LinkError as error:
-            facts = {**self._facts(), "lost": str(error)}
-            self._shut()
-            return np.array(self._last), 0.0, False, True, facts
-        self._steps += 1
-        reward = self._called("reward", self.task.reward, seen, written)
-        done = self.task.done is not None and bool(self._called("done", self.task.done, seen))
-        over = self.task.most_steps is not None and self._steps >= self.task.most_steps
-        return self._numbers(seen), float(reward), done, over, self._facts()
+        self.begin(action)
+        self.wait()
+        return self.finish()
 
     def close(self) -> None:
         """Close the link. It may be called twice."""
         self._shut()
 
+    # ---- the parts of a step: of a vector, many begin, one waits, and all finish
+
+    def begin(self, action: Numbers) -> None:
+        """Write the action."""
+        self._now()
+        written: dict[str, Any] = {}
+        for channel, number in zip(self.commanded, np.asarray(action, dtype=np.float64).ravel(), strict=True):
+            written[channel.path], clipped = channel.taken(float(number))
+            self._clipped += clipped
+        self._written = written
+        try:
+            self._commands.write(list(written.values()))
+        except LinkError as error:
+            self._lost = error
+
+    def wait(self) -> None:
+        """Let the rest of the period pass."""
+        link = self._now()
+        try:
+            if self._lost is None:
+                self._wait(link)
+        except LinkError as error:
+            self._lost = error
+
+    def finish(self) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """Look, and judge what is seen."""
+        seen: dict[str, Any] = {}
+        try:
+            if self._lost is None:
+                seen = self._look()
+        except LinkError as error:
+            self._lost = error
+        if self._lost is not None:
+            facts = {**self._facts(), "lost": str(self._lost)}
+            self._shut()
+            return np.array(self._last), 0.0, False, True, facts
+        self._steps += 1
+        reward = self._called("reward", self.task.reward, seen, self._written)
+        done = self.task.done is not None and bool(self._called("done", self.task.done, seen))
+        over = self.task.most_steps is not None and self._steps >= self.task.most_steps
+        return self._numbers(seen), float(reward), done, over, self._facts()
+
     # ---- the robot
+
+    @property
+    def virtual(self) -> bool:
+        """Whether it is a virtual board, whose time goes in steps."""
+        return self._virtual
 
     @property
     def robot(self) -> Any:
@@ -148,6 +182,7 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
             raise
 
     def _shut(self) -> None:
+        self._lost = None
         if self._link is not None:
             self._link.close()
         self._link = None
@@ -158,9 +193,6 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         return self._link
 
     def _wait(self, link: Link) -> None:
-        if link.in_steps:
-            link.step(self.task.dt_s)
-            return
         self._due_s += self.task.dt_s
         if link.now_s() > self._due_s:
             self._missed += 1

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from math import ceil
 from typing import TYPE_CHECKING
 
 from unitylink.errors import UnityLinkError, ValueRangeError
@@ -43,7 +44,8 @@ class LinkTime:
         ...     set_points.write(target)
         """
         if self.in_steps:
-            self._pass_until(round(time_s * 1e9))
+            self._pass_until(ceil(time_s * 1e9))
+            return
         while (left_s := time_s - self.now_s()) > 0:
             time.sleep(left_s)
 

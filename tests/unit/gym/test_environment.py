@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from unit.gym.cart import cart_url, near_the_middle
 
 import unitylink.gym
 from unitylink.errors import UnityLinkError, ValueRangeError
@@ -18,42 +19,10 @@ from unitylink.gym.environment import RobotEnvironment
 from unitylink.simulate import Board
 from unitylink.spec import load
 
-SPEC = """
-public cart() {
-   @position = 0x10: i32 READ(UNIT="m", SCALE=0.0001, PUBLISH(100 Hz));
-   @at_end = 0x11: bool READ();
-   @force = 0x20: i16 WRITE(UNIT="N", SCALE=0.01, MIN=-5, MAX=5, SAFE=0);
-   @trim = 0x21: i16 WRITE(UNIT="N", SCALE=0.01, MIN=-1, MAX=1, OVERFLOW=saturate);
-}
-"""
-PLANT = """
-import random
-class Plant:
-    period_s = 0.001
-    def __init__(self):
-        self.place, self.speed = 0.0, 0.0
-    def seed(self, number):
-        self.place = random.Random(number).uniform(-0.1, 0.1)
-    def attach(self, spec, registers):
-        self.registers = registers
-    def step(self, time_s):
-        force = (self.registers.signed(0x20) + self.registers.signed(0x21)) / 100
-        self.speed += force * self.period_s
-        self.place += self.speed * self.period_s
-        self.registers[0x10] = round(self.place * 10_000)
-        self.registers[0x11] = int(abs(self.place) > 1)
-"""
-
-
-def near_the_middle(seen: Mapping[str, Any], written: Mapping[str, Any]) -> float:
-    return -abs(float(seen["position"])) - 0.01 * abs(float(written["force"]))
-
 
 @pytest.fixture
 def url(tmp_path: Path) -> str:
-    (tmp_path / "cart.ul").write_text(SPEC)
-    (tmp_path / "cart.py").write_text(PLANT)
-    return f"sim:{tmp_path / 'cart.ul'}?plant={tmp_path / 'cart.py'}"
+    return cart_url(tmp_path)
 
 
 Made = Callable[..., RobotEnvironment]

@@ -87,6 +87,17 @@ def test_calls_between_two_steps_take_time_but_do_not_add_up() -> None:
         assert len(board.plant.times_s) == len(set(board.plant.times_s)) in (100, 101)
 
 
+def test_sleep_until_a_moment_between_two_nanoseconds() -> None:
+    with driven() as (link, _):
+        for part_s in (1e-10, 0.3e-9, 1 / 3, 0.1 + 0.2, 1e-3):
+            due_s = link.now_s() + part_s
+            link.sleep_until(due_s)
+            assert due_s <= link.now_s() + 1e-12
+        before_s = link.now_s()
+        link.sleep_until(0.5)  # long ago
+        assert link.now_s() == before_s
+
+
 def test_an_hour_of_a_robot_that_stands_takes_no_hour() -> None:
     with Board(endpoint="lockstep") as board, Link(board.url) as link:
         link.step(3600.0)
