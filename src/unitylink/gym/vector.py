@@ -19,7 +19,7 @@ from .environment import Numbers, RobotEnvironment
 Flags = npt.NDArray[np.bool_]
 
 
-class RobotVector(gymnasium.vector.VectorEnv[Numbers, Numbers, Numbers]):
+class RobotVector(gymnasium.vector.VectorEnv[Numbers, Numbers, npt.NDArray[Any]]):
     """Environments of virtual boards. `unitylink.gym.make_vector` makes it.
 
     An environment whose episode has ended is reset in the next step, and its action is ignored there.
