@@ -12,6 +12,8 @@ namespace {
 // If members stay due for so many times and do nothing, because a client takes no bytes for example, time goes on.
 constexpr unsigned still_most = 1'000;
 constexpr std::uint64_t stuck_step_ns = 1'000;
+// So often the descriptors are looked at while nothing happens: another thread may close the link.
+constexpr std::uint64_t look_period_ns = 100'000'000;
 // While nothing is due at all, only another thread can change this.
 constexpr std::uint64_t idle_pause_ns = 1'000'000;
 
@@ -68,6 +70,11 @@ bool Lockstep::work(std::uint64_t until_ns, const Member* self) noexcept {
   return first != nullptr && first->work(second_ns);
 }
 
+bool Lockstep::is_idle(const Member* self) noexcept {
+  return std::ranges::all_of(members_,
+                             [self](Member* member) { return member == self || member->due_ns() == RobotTime::idle; });
+}
+
 int Lockstep::advance(std::uint64_t until_ns, std::span<pollfd> waiting, const Member* self) noexcept {
   const std::scoped_lock lock(mutex_);
   unsigned still = 0;
@@ -77,14 +84,15 @@ int Lockstep::advance(std::uint64_t until_ns, std::span<pollfd> waiting, const M
     if (const int ready = poll_for(waiting, 0); ready != 0 || now_ns >= until_ns) {
       return ready;
     }
-    for (bool news = false; !news && now_ns < until_ns;) {
+    if (until_ns == RobotTime::idle && is_idle(self)) {
+      return poll_for(waiting, idle_pause_ns);
+    }
+    const std::uint64_t look_ns = std::min(until_ns, now_ns + std::min(look_period_ns, RobotTime::idle - now_ns));
+    for (bool news = false; !news && now_ns < look_ns;) {
       const std::uint64_t before_ns = now_ns;
-      news = work(until_ns, self);
+      news = work(look_ns, self);
       now_ns = RobotTime::here().now_ns();
       still = now_ns == before_ns ? still + 1 : 0;
-      if (still > 0 && !news && until_ns == RobotTime::idle) {
-        return poll_for(waiting, idle_pause_ns);
-      }
       if (still > still_most) {
         RobotTime::here().step_to(std::min(now_ns + stuck_step_ns, until_ns));
       }

@@ -43,6 +43,7 @@ class Lockstep {
  private:
   void all_take_in(const Member* self) noexcept;
   [[nodiscard]] bool work(std::uint64_t until_ns, const Member* self) noexcept;
+  [[nodiscard]] bool is_idle(const Member* self) noexcept;
 
   std::recursive_mutex mutex_;  // a plant may close its own board
   std::vector<Member*> members_;

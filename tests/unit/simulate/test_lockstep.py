@@ -98,6 +98,16 @@ def test_sleep_until_a_moment_between_two_nanoseconds() -> None:
         assert link.now_s() == before_s
 
 
+def test_another_thread_may_close_a_link_that_waits_for_ever() -> None:
+    with driven() as (link, _):
+        never = link.subscribe([0x10], on_event=True)
+        closing = threading.Timer(0.1, link.close)
+        closing.start()
+        with pytest.raises(LinkClosed):
+            never.wait(1e9)
+        closing.join()
+
+
 def test_an_hour_of_a_robot_that_stands_takes_no_hour() -> None:
     with Board(endpoint="lockstep") as board, Link(board.url) as link:
         link.step(3600.0)
