@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Protocol, Union
 
 from unitylink.errors import UnityLinkError
+from unitylink.optional import absent
 from unitylink.recording import ENDINGS
 from unitylink.spec.model import Spec
 
@@ -43,23 +44,27 @@ PLANTS: dict[str, Callable[[], AnyPlant]] = {
     "scara": ScaraPlant,
 }
 DEFAULT_PLANT = "ramp"
+MUJOCO = "mujoco:"
 
 
 def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
     """Return the plant called `name` (ramp, loopback, scara), or the plant in the file `name`.
 
-    The file is a recording, or Python with a class `Plant` that takes no arguments or a function
-    `make_plant(spec)`. Raises UnityLinkError with the file's name and the reason.
+    `mujoco:FILE` is a model of MuJoCo, MJCF or URDF (docs/mujoco.md). Otherwise the file is a recording, or
+    Python with a class `Plant` that takes no arguments or a function `make_plant(spec)`. Raises
+    UnityLinkError with the file's name and the reason, and ToolError if MuJoCo is absent.
     """
     if name in PLANTS:
         return PLANTS[name]()
+    if name.startswith(MUJOCO):
+        return _mujoco_plant(name.removeprefix(MUJOCO))
     path = Path(name)
     if path.suffix.lower() in ENDINGS:
         return RecordingPlant(path)
     if path.suffix != ".py":
         raise UnityLinkError(
-            f"plant {name!r} is not known; choose {', '.join(PLANTS)}, a Python file (FILE.py) or "
-            "a recording (FILE.mcap, FILE.csv)"
+            f"plant {name!r} is not known; choose {', '.join(PLANTS)}, a Python file (FILE.py), "
+            "a recording (FILE.mcap, FILE.csv) or a model of MuJoCo (mujoco:FILE.xml)"
         )
     if not path.is_file():
         raise UnityLinkError(f"plant {name}: there is no such file")
@@ -81,6 +86,14 @@ def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
         return plant
     check_plant(plant, f"plant {name}")
     return plant  # type: ignore[no-any-return]  # check_plant has looked at what a Plant needs
+
+
+def _mujoco_plant(file: str) -> Plant:
+    try:
+        from .plants.mujoco import MujocoPlant
+    except ImportError:
+        raise absent("mujoco-core", "a plant of MuJoCo") from None
+    return MujocoPlant(file)
 
 
 def check_plant(plant: object, what: str) -> None:

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 
 from unitylink.errors import UnityLinkError, shown
+from unitylink.interface.joint_names import names_of, plain
 from unitylink.spec.model import Element, Instance
 from unitylink.spec.units import unit
 
@@ -44,12 +44,12 @@ def with_values(body: Body, root: Instance, given: Mapping[str, str] | None = No
             has = elements[paths[path]].unit or "no unit"
             raise UnityLinkError(f"--joint {name}={path}: {path} has {has}, but the joint is {joint.kind}")
         moved[name] = Moved(paths[path], path, factor)
-    names = _names(root)
+    names = names_of(root)
     for name, joint in joints.items():
         if name in moved:
             continue
         fitting = [one for one in elements if _factor(one, joint) is not None and one.readable | one.writable]
-        own = [one for one in fitting if _plain(name) in names[one.path]]
+        own = [one for one in fitting if plain(name) in names[one.path]]
         best = [one for one in own if _rank(one) == min(map(_rank, own))] if own else []
         if len(best) == 1:
             factor = _factor(best[0], joint)
@@ -65,7 +65,7 @@ def with_values(body: Body, root: Instance, given: Mapping[str, str] | None = No
 
 def _nearest(name: str, fitting: Sequence[Element], names: Mapping[str, set[str]]) -> str:
     by_name = {one: element.path for element in reversed(fitting) for one in names[element.path]}
-    near = dict.fromkeys(by_name[one] for one in get_close_matches(_plain(name), by_name, 6, 0.3))
+    near = dict.fromkeys(by_name[one] for one in get_close_matches(plain(name), by_name, 6, 0.3))
     if near:
         return f"nearest: {', '.join(list(near)[:3])} (--joint {name}=ITEM)"
     if fitting:
@@ -75,37 +75,6 @@ def _nearest(name: str, fitting: Sequence[Element], names: Mapping[str, set[str]
 
 def _rank(element: Element) -> tuple[bool, bool]:
     return element.writable, element.publish is None
-
-
-def _names(root: Instance) -> dict[str, set[str]]:
-    """Return for each item the names by which a joint may be called."""
-    found: dict[str, set[str]] = {}
-    for instance in _instances(root):
-        part = {
-            _plain(instance.path),
-            _plain(instance.path.rpartition(".")[2]),
-            _plain(instance.display or ""),
-        }
-        for element in instance.elements:
-            own = {_plain(element.path), _plain(element.name), _plain(element.display or "")}
-            found[element.path] = (own | (part if instance is not root else set())) - {""}
-    return found
-
-
-def _instances(root: Instance) -> Iterator[Instance]:
-    yield root
-    for below in root.instances:
-        yield from _instances(below)
-
-
-def _plain(name: str) -> str:
-    """Return a name without what differs between URDFs and specs.
-
-    >>> _plain("leg[2].Hip"), _plain("shoulder_joint")
-    ('leg_2_hip', 'shoulder')
-    """
-    text = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
-    return text.removesuffix("_joint").removeprefix("joint_") or text
 
 
 def _factor(element: Element, joint: Joint) -> float | None:

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Words of the registers as an array of numbers in SI units. It costs a tenth of BoardValues."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from unitylink.spec.model import Element
+
+from ..registers import Registers
+
+Numbers = npt.NDArray[np.float64]
+
+
+class SiWords:
+    """Values of one word each, with the factor from their unit to SI.
+
+    A number beyond the limits of its value or of its word becomes the limit, as with a sensor. One that is
+    not a number becomes 0.
+    """
+
+    def __init__(self, values: Sequence[tuple[Element, float]], registers: Registers) -> None:
+        self._registers = registers
+        bits = registers.data_bits
+        self._addresses = [element.addresses[0] for element, _ in values]
+        widths = [bits if element.type.bus else element.type.width for element, _ in values]
+        self._mask = np.array([(1 << width) - 1 for width in widths], dtype=np.int64)
+        self._sign = np.array(
+            [
+                1 << width - 1 if element.type.signed else 0
+                for (element, _), width in zip(values, widths, strict=True)
+            ],
+            dtype=np.int64,
+        )
+        self._floats = np.array([element.type.kind == "float" for element, _ in values], dtype=np.bool_)
+        scales = [float(element.scale) / (1 << element.type.fraction) for element, _ in values]
+        self._scale = np.array([scale * factor for scale, (_, factor) in zip(scales, values, strict=True)])
+        self._offset = np.array([float(element.offset) * factor for element, factor in values])
+        ends = [(element.minimum, element.maximum, factor) for element, factor in values]
+        self._low = np.array([-np.inf if low is None else float(low) * factor for low, _, factor in ends])
+        self._high = np.array([np.inf if high is None else float(high) * factor for _, high, factor in ends])
+
+    def read(self) -> Numbers:
+        """Return the numbers."""
+        words = np.array([self._registers[address] for address in self._addresses], dtype=np.int64)
+        raw = ((words & self._mask) ^ self._sign) - self._sign
+        numbers: Numbers = raw * self._scale + self._offset
+        if self._floats.any():
+            floats = (words & 0xFFFFFFFF).astype(np.uint32).view(np.float32).astype(np.float64)
+            numbers = np.where(self._floats, np.nan_to_num(floats) * self._scale + self._offset, numbers)
+        return numbers
+
+    def write(self, numbers: Numbers) -> None:
+        """Set the words."""
+        limited = np.clip(np.nan_to_num(numbers, posinf=np.inf, neginf=-np.inf), self._low, self._high)
+        values = (limited - self._offset) / self._scale
+        raw = np.rint(np.clip(values, -self._sign, self._mask - self._sign)).astype(np.int64) & self._mask
+        if self._floats.any():
+            floats = values.astype(np.float32).view(np.uint32).astype(np.int64)
+            raw = np.where(self._floats, floats, raw)
+        for address, word in zip(self._addresses, raw.tolist(), strict=True):
+            self._registers[address] = word

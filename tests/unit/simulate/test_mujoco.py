@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A model of MuJoCo behind a virtual board: bound by name and unit, in steps, and what goes wrong."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from unitylink import connect
+from unitylink.errors import UnityLinkError
+from unitylink.layer4_data import load_spec_objects
+from unitylink.simulate import Board
+from unitylink.simulate.plants.mujoco import MujocoPlant
+from unitylink.spec import compile_text, load
+
+SPEC = """
+public arm() {
+   shoulder: joint("shoulder") @ (0x10, 0x11, 0x12, 0x20);
+   @lift = 0x13: u16 READ(UNIT="mm", SCALE=0.1, OFFSET=-100);
+   @lift_force = 0x21: i16 WRITE(UNIT="N", SCALE=0.1, MIN=-200, MAX=200, SAFE=0);
+   @tilt = 0x14: f32 READ(UNIT="m/s^2");
+}
+joint(n: string): @ (position, speed, torque, target) {
+   @position: i16 READ(UNIT="deg", SCALE=0.01, PUBLISH(100 Hz));
+   @speed: i16 READ(UNIT="rad/s", SCALE=0.001);
+   @torque: i32 READ(UNIT="N m", SCALE=0.0001);
+   @target: i16 WRITE(UNIT="deg", SCALE=0.01, MIN=-170, MAX=170, SAFE=0);
+}
+"""
+MODEL = """
+<mujoco>
+  <option timestep="0.0005" integrator="implicitfast"/>
+  <worldbody>
+    <body name="upper">
+      <joint name="shoulder_joint" type="hinge" axis="0 1 0" damping="0.2" armature="0.02"/>
+      <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0" mass="1"/>
+      <body name="carriage" pos=".3 0 0">
+        <joint name="lift" type="slide" axis="0 0 1" range="-.1 .1" limited="true" damping="5"/>
+        <geom type="sphere" size=".03" mass=".5"/>
+        <site name="tip"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="shoulder" joint="shoulder_joint" kp="80" dampratio="1"/>
+    <motor name="lift_force" joint="lift"/>
+  </actuator>
+  <sensor><actuatorfrc name="tilt" actuator="lift_force"/></sensor>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Path:
+    (tmp_path / "arm.ul").write_text(SPEC)
+    (tmp_path / "arm.xml").write_text(MODEL)
+    return tmp_path
+
+
+@contextmanager
+def robot(files: Path) -> Iterator[tuple[Any, Any]]:
+    url = f"sim:{files / 'arm.ul'}?plant=mujoco:{files / 'arm.xml'}"
+    with connect(url, time="lockstep") as link:
+        yield link, load_spec_objects(load(files / "arm.ul"), link)
+
+
+def test_values_are_those_of_the_model_in_the_units_of_the_spec(files: Path) -> None:
+    with robot(files) as (link, arm):
+        arm.shoulder.target.write(30.0)
+        arm.lift_force.write(7.5)
+        for _ in range(50):
+            link.step(0.001)
+        model = mujoco.MjModel.from_xml_path(str(files / "arm.xml"))
+        data = mujoco.MjData(model)
+        steps = link.board.statistics.plant_steps
+        data.ctrl[:] = 0.0
+        # the first step of the board is at its reset, and shows where the model begins
+        moved = round((link.board.plant.data.time) / model.opt.timestep)
+        assert moved == 2 * (steps - 1)
+        data.ctrl[:] = np.radians(30.0), 7.5
+        mujoco.mj_step(model, data, moved)
+        np.testing.assert_allclose(link.board.plant.data.qpos, data.qpos, rtol=1e-9)
+        link.step(0.0)
+        assert arm.shoulder.position.read() == pytest.approx(np.degrees(data.qpos[0]), abs=0.006)
+        assert arm.shoulder.speed.read() == pytest.approx(data.qvel[0], abs=0.0006)
+        assert arm.shoulder.torque.read() == pytest.approx(data.qfrc_actuator[0], abs=0.0001)
+        assert arm.lift.read() == pytest.approx(data.qpos[1] * 1000, abs=0.06)
+        assert arm.tilt.read() == pytest.approx(data.sensordata[0], rel=1e-6)
+        assert abs(data.qpos[0]) > 0.05
+
+
+def test_a_set_point_is_reached(files: Path) -> None:
+    with robot(files) as (link, arm):
+        arm.shoulder.target.write(-45.0)
+        link.step(3.0)
+        assert arm.shoulder.position.read() == pytest.approx(-45.0, abs=6.0)  # it carries its weight
+        assert link.board.plant.notes == ()
+
+
+def test_two_runs_are_equal(files: Path) -> None:
+    def run() -> list[float]:
+        with robot(files) as (link, arm):
+            told = []
+            for turn in range(40):
+                arm.lift_force.write(float(turn % 7))
+                link.step(0.01)
+                told.append(arm.lift.read())
+            return told
+
+    assert run() == run()
+
+
+def test_what_belongs_to_nothing_is_named(files: Path, caplog: pytest.LogCaptureFixture) -> None:
+    text = SPEC.replace("@lift_force", "@lfit_force").replace("@lift =", "@height =")
+    (files / "arm.ul").write_text(text)
+    with caplog.at_level(logging.WARNING), robot(files) as (link, _):
+        notes = "\n".join(link.board.plant.notes)
+    assert "height belongs to nothing in the model; nearest: " in notes
+    assert "lfit_force belongs to nothing in the model; nearest: lift_force" in notes
+    assert "no value shows the position of joint lift" in notes
+    assert "no value drives the actuator lift_force" in notes
+    assert "no value drives the actuator lift_force" in caplog.text
+
+
+def test_a_model_that_blows_up_ends_the_plant_and_names_the_joint(files: Path) -> None:
+    wild = MODEL.replace('timestep="0.0005" integrator="implicitfast"', 'timestep="0.01" integrator="Euler"')
+    wild = wild.replace('kp="80" dampratio="1"', 'kp="1e9" kv="1e8"')
+    (files / "arm.xml").write_text(wild)
+    with robot(files) as (link, arm):
+        arm.shoulder.target.write(90.0)
+        link.step(5.0)
+        assert "has become unstable at" in str(link.board.error)
+        assert "joint" in str(link.board.error)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("<mujoco><nonsense/></mujoco>", "nonsense"), ("no xml", "XML"), (None, "there is no such file")],
+)
+def test_a_model_that_is_wrong_is_told(files: Path, text: str | None, told: str) -> None:
+    file = files / "wrong.xml"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(UnityLinkError, match=told):
+        MujocoPlant(str(file))
+
+
+def test_a_model_of_another_robot_is_refused(files: Path) -> None:
+    spec = compile_text("public lamp() { @led = 0x1: bool WRITE(); }", "lamp.ul").spec
+    with pytest.raises(
+        UnityLinkError, match=r"no joint belongs to a value. Its joints: shoulder_joint, lift"
+    ):
+        Board(spec, plant=MujocoPlant(str(files / "arm.xml")))
+
+
+def test_a_urdf_is_a_model_too(files: Path) -> None:
+    (files / "arm.xml").write_text(
+        '<robot name="arm"><link name="base"/><link name="upper"><inertial><mass value="1"/>'
+        '<origin xyz="0.1 0 0"/><inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '</link><joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>'
+        '<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="5"/></joint></robot>'
+    )
+    with robot(files) as (link, arm):
+        link.step(0.2)
+        assert arm.shoulder.position.read() > 1.0  # it falls
