@@ -88,21 +88,7 @@ class MujocoPlant:
         self._set_points = SiWords([(one, factor) for one, _, factor in moved], registers)
         self._controls = np.array([place.index for _, place, _ in moved], dtype=np.intp)
         self._sensors = SiWords([(one, factor) for one, _, factor in seen], registers)
-        self._kinds = [place.what for _, place, _ in seen]
-        self._indices = [place.index for _, place, _ in seen]
-        mujoco.mj_forward(self.model, self.data)
-        self._show()
-
-    def step(self, time_s: float) -> None:
-        """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
-        self.data.ctrl[self._controls] = self._set_points.read()
-        if self._begun:
-            mujoco.mj_step(self.model, self.data, self._at_once)
-        self._begun = True
-        self._check(time_s)
-        self._show()
-
-    def _show(self) -> None:
+        self._numbers = np.zeros(len(seen))
         data = self.data
         rows = {
             "position": data.qpos,
@@ -110,8 +96,29 @@ class MujocoPlant:
             "effort": data.qfrc_actuator,
             "sensor": data.sensordata,
         }
-        pairs = zip(self._kinds, self._indices, strict=True)
-        self._sensors.write(np.array([rows[kind][index] for kind, index in pairs]))
+        self._rows = []  # (numbers of the model, where they are shown, which of them)
+        for what, row in rows.items():
+            where = [number for number, (_, place, _) in enumerate(seen) if place.what == what]
+            if where:
+                self._rows.append(
+                    (row, np.array(where), np.array([seen[number][1].index for number in where]))
+                )
+        mujoco.mj_forward(self.model, self.data)
+        self._show()
+
+    def step(self, time_s: float) -> None:
+        """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
+        self.data.ctrl[self._controls] = self._set_points.read()
+        if self._begun:  # the first step is in the moment of the reset, so nothing has moved yet
+            mujoco.mj_step(self.model, self.data, self._at_once)
+        self._begun = True
+        self._check(time_s)
+        self._show()
+
+    def _show(self) -> None:
+        for row, where, indices in self._rows:
+            self._numbers[where] = row[indices]
+        self._sensors.write(self._numbers)
 
     def _check(self, time_s: float) -> None:
         kinds = mujoco.mjtWarning
