@@ -130,13 +130,15 @@ begin
   -- A trigger has its length, unless enable falls.
   trigger_ends  : assert always begun = '1' and off = '0' and trigger = '0' and trigger_1 = '1' ->
                            lasted = trigger_clocks;
+  -- No trigger is longer.
   never_longer  : assert always begun = '1' and trigger = '1' -> lasted < trigger_clocks;
 
   -- Without enable there is none.
   none_when_off : assert always begun = '1' and off = '1' -> trigger = '0';
 
-  -- None begins while the line is high, or sooner than a period after the last one.
+  -- No trigger begins while the line is high.
   line_is_low   : assert always begun = '1' and rises = '1' -> was_high < filtered;
+  -- A trigger begins a period after the last one, and not sooner.
   not_too_soon  : assert always begun = '1' and rises = '1' -> apart = period;
 
   -- A sample is the length of the echo behind its trigger, and below the timeout.
@@ -146,12 +148,14 @@ begin
   -- A trigger without a sample or a failure until the next one is told as a failure with that one.
   none_forgotten : assert always begun = '1' and tells = '1' -> failed = '1';
 
-  -- Two failures in a row end the validity, and so does a missing enable.
+  -- Two failures in a row end the validity.
   too_many       : assert always begun = '1' and bad = 2 and sampled = '0' -> is_valid(echo_wire) = '0';
+  -- Without enable, nothing is valid.
   void_when_off  : assert always begun = '1' and off = '1' -> is_valid(echo_wire) = '0';
 
-  -- A sample, and a failure behind it.
+  -- A sample with the echo that was made.
   good_seen : cover {begun = '1' and sampled = '1' and expected = 3};
+  -- A failure while the last sample is still valid.
   bad_seen  : cover {begun = '1' and failed = '1' and is_valid(echo_wire) = '1'};
 
 end architecture;

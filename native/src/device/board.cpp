@@ -36,7 +36,7 @@ Board::Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint>
 Board::Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint)
     : device_(std::move(device)), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   output_.reserve(chunk);
-  lead_ = configuration().byte_clocks() > 0 ? 0 : clocks(lead_ns, configuration().clock_hz);
+  lead_ = configuration().byte_clocks() > 0 ? 0 : whole_clocks(lead_ns, configuration().clock_hz);
 }
 
 Board::~Board() {
@@ -86,7 +86,7 @@ void Board::wake() {
 }
 
 Clock Board::clock_now() const noexcept {
-  return clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_;
+  return whole_clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_;
 }
 
 std::uint64_t Board::robot_ns(Clock clock) const noexcept {
@@ -157,7 +157,7 @@ void Board::end() {
 // Returns `target`, or an earlier time if the other boards have waited too long for this one. So work cannot pile up.
 Clock Board::in_time(Clock target) {
   const Clock due = std::min(plant_next_, device_->next_event());
-  const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
+  const Clock lag_most = whole_clocks(lag_most_ns, configuration().clock_hz);
   if (due == never || target <= due + lag_most) {
     return target;
   }
@@ -204,7 +204,7 @@ bool Board::feed() {
     forget_output();
   }
   if (endpoint_->ended() && (!lingered || !device_->input_empty())) {
-    linger_until_ = clock_now() + clocks(linger_ns, configuration().clock_hz);
+    linger_until_ = clock_now() + whole_clocks(linger_ns, configuration().clock_hz);
   } else if (lingered && clock_now() >= linger_until_ && !output_blocked_) {
     endpoint_->dismiss();
     forget_output();

@@ -46,7 +46,7 @@ void Board::take_in() noexcept {
 
 bool Board::work(std::uint64_t until_ns) noexcept {
   std::unique_lock lock(mutex_);
-  const Clock until = clocks(until_ns - start_ns_, configuration().clock_hz);
+  const Clock until = whole_clocks(until_ns - start_ns_, configuration().clock_hz);
   const std::uint64_t sent = bytes_out_;
   bool whole = false;
   while (!whole) {

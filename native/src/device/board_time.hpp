@@ -10,7 +10,7 @@ namespace unitylink::device {
 
 inline constexpr std::uint64_t second_ns = 1'000'000'000;
 
-[[nodiscard]] inline Clock clocks(std::uint64_t ns, std::uint32_t clock_hz) noexcept {
+[[nodiscard]] inline Clock whole_clocks(std::uint64_t ns, std::uint32_t clock_hz) noexcept {
   return ns / second_ns * clock_hz + ns % second_ns * clock_hz / second_ns;
 }
 

@@ -129,3 +129,11 @@ def test_the_grammar_knows_the_keywords() -> None:
     reserved = re.search(r"^NAME: .*\?!\(([^)]*)\)", GRAMMAR, re.MULTILINE)
     assert reserved is not None
     assert set(reserved[1].split("|")) == KEYWORDS
+
+
+def test_an_access_word_may_stand_where_a_type_does(grammar: Lark) -> None:
+    """There is no such type, but that is no fault of form."""
+    text = "public a() { @x = 0x1: READWRITE READ(); }"
+    assert grammar_accepts(grammar, text)
+    assert faults_of_form(text) == []
+    assert [found.code for found in compile_text(text).diagnostics] == ["UL080"]

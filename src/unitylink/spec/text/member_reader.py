@@ -157,8 +157,12 @@ class MemberReader(PropertyReader):
             return self.texts[i] in ("READ", "WRITE", "signed")
         if self.kinds[i] != "name":
             return False
-        if self.texts[i] in _NEW_ACCESS and self.texts[i] not in self.constructors:
-            return self.kinds[i + 1] == "("
+        if (
+            self.texts[i] in _NEW_ACCESS
+            and self.texts[i] not in self.constructors
+            and self.kinds[i + 1] == "("
+        ):
+            return True
         if self.kinds[i + 1] == "(":  # `fixed(8,8) READ`, or an expansion
             i = self.behind_bracket(i + 1)
         else:
