@@ -45,6 +45,21 @@ def test_scara_moves_on_the_gateware() -> None:
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
 
 
+def test_time_of_the_gateware_goes_in_steps_and_each_run_is_the_same() -> None:
+    def run() -> list[tuple[float, int]]:
+        with connect(f"rtl:{SCARA}?plant=scara", time="lockstep") as link:
+            seen = []
+            for turn in range(40):
+                link.write(0x97, 20_000)
+                link.write(0x8F, turn)
+                link.step(0.005)
+                seen.append((link.now_s(), link.read(0x8B)))
+            assert link.board.time_s == pytest.approx(link.now_s() - 1.0, abs=1e-3)
+            return seen
+
+    assert run() == run()
+
+
 def test_the_line_of_the_gateware_comes_back() -> None:
     with connect(f"rtl:{SCARA}?plant=scara&timeout=20&reconnect=1") as link:
         publishes = link.subscribe([0x88], divisor=10)
