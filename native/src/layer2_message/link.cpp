@@ -22,7 +22,6 @@ namespace {
 // a read from a pseudo-terminal gives at most this much; less means that it is empty
 constexpr std::size_t terminal_chunk = 4095;
 constexpr int reads_per_turn_max = 16;
-constexpr std::uint64_t interruption_patience_ns = 100'000'000;
 constexpr std::uint64_t farewell_ns = 200'000'000;
 constexpr std::uint64_t seed_in_steps = 1;  // the same in each run
 constexpr const char* closed_here = "closed by this program";

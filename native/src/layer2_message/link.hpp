@@ -281,6 +281,8 @@ class Link {
   struct ExchangeLayout;
   class Step;  // this link as a member of Lockstep (link_steps.cpp)
   using Lock = std::unique_lock<std::mutex>;
+  // How often a thread that waits asks whether it is interrupted.
+  static constexpr std::uint64_t interruption_patience_ns = 100'000'000;
 
   Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options);
   [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source,

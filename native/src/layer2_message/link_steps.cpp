@@ -10,11 +10,6 @@
 #include "layer2_message/link.hpp"
 
 namespace unitylink {
-namespace {
-
-constexpr std::uint64_t steps_patience_ns = 100'000'000;
-
-}  // namespace
 
 // While another link waits, this one reads what comes, repeats what is late, and gives its signs of life.
 class Link::Step final : public Lockstep::Member {
@@ -71,7 +66,7 @@ int Link::poll_until(std::uint64_t until_ns, std::span<pollfd> waiting) noexcept
 Outcome Link::pass(std::uint64_t until_ns) {
   Lock lock(mutex_);
   std::uint64_t now = now_ns();
-  for (std::uint64_t look_ns = now + steps_patience_ns; now < until_ns; now = now_ns()) {
+  for (std::uint64_t look_ns = now + interruption_patience_ns; now < until_ns; now = now_ns()) {
     if (engine_->ended()) {
       return end();
     }
@@ -83,7 +78,7 @@ Outcome Link::pass(std::uint64_t until_ns) {
       lock.lock();
     }
     if (now_ns() >= look_ns) {
-      look_ns = now_ns() + steps_patience_ns;
+      look_ns = now_ns() + interruption_patience_ns;
       if (interrupted(lock)) {
         return {};
       }

@@ -57,12 +57,9 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
             raise UnityLinkError(f"dt_s is {task.dt_s!r}; expected seconds, 1e-5 to 3600")
         self._virtual = scheme_of(url).virtual
         self._url, self.task = url, task
-        file = (
-            spec if spec is not None else url.partition(":")[2].partition("?")[0] if self._virtual else None
-        )
-        if file is None:
+        if spec is None and not self._virtual:
             raise UnityLinkError(f"{url} does not name the spec; give its file: spec=...")
-        self._spec = load(file)
+        self._spec = None if spec is None else load(spec)
         self._asked = observed, commanded
         self._link: Link | None = None
         self._robot: Any = None
@@ -166,7 +163,9 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         else:
             self._link = connect(self._url)
         try:
-            self._robot = load_spec_objects(self._spec, self._link)
+            # a virtual board has compiled its spec already
+            spec = self._spec if self._spec is not None else self._link.board.spec
+            self._robot = load_spec_objects(spec, self._link)
             observed, commanded = self._asked
             reads = _chosen(self._robot, observed, ReadValue, lambda value: not isinstance(value, WriteValue))
             writes = _chosen(self._robot, commanded, WriteValue, lambda value: value.access != "PULSE")
@@ -174,7 +173,7 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
             self.commanded = [Channel.of(value, bounded=True) for value in writes]
             if not self.observed or not self.commanded:
                 what = "observed" if not self.observed else "commanded"
-                raise UnityLinkError(f"{self._spec.source}: no number is {what}; give paths of values")
+                raise UnityLinkError(f"{spec.source}: no number is {what}; give paths of values")
             self._sensors = ValueGroup(reads, "observed")
             self._commands = ValueGroup(writes, "commanded")
         except BaseException:

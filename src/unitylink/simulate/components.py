@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 from unitylink import _native
 from unitylink.errors import ValueRangeError
@@ -17,9 +18,12 @@ from .led_strip import LedStrip
 from .load_cell import LoadCell
 from .modbus_device import ModbusDevice
 from .radio import Radio
+from .sensor import Sensor
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
 from .thermometer import Thermometer
+
+AnySensor = TypeVar("AnySensor", bound=Sensor)
 
 _ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller or of a servo
 _FRAME_BEGINS = 0x2000  # in a word of the program of a device, if its bits 15 and 14 are not both 1
@@ -204,7 +208,7 @@ class BoardComponent:
         board.components["pilot"].radio().send([1500.0] * 8)  # a frame, in microseconds
         """
         if self._radio is None:
-            facts = {name: int(value) for name, value in self.configuration.generics}
+            facts = self._facts()
             self._radio = Radio(self, sbus=bool(facts["protocol"]), inverted=bool(facts["inverted"]))
             self.drive("line", self._radio.rests_high)
         return self._radio
@@ -267,7 +271,7 @@ class BoardComponent:
         """
         if channel not in self._controllers:
             pins = self._pin("out", "line_out", channel), self._pin("in", "line_in", channel)
-            facts = {name: int(value) for name, value in self.configuration.generics}
+            facts = self._facts()
             bit = facts["clock_hz"] / (1000 * facts["kbaud"])
             answer = _ANSWER_S * facts["clock_hz"]
             replies = bool(facts["bidirectional"])
@@ -284,8 +288,9 @@ class BoardComponent:
         sensor.see(0.75)  # m
         """
         if self._distance_sensor is None:
-            registers = self._sensor(self._native.attach_distance, "trigger", "echo")
-            self._distance_sensor = DistanceSensor(registers)
+            self._distance_sensor = self._sensor(
+                DistanceSensor, self._native.attach_distance, "trigger", "echo"
+            )
         return self._distance_sensor
 
     def load_cell(self, conversions_hz: float | None = None) -> LoadCell:
@@ -295,8 +300,7 @@ class BoardComponent:
         cell.weigh(123456)  # counts
         """
         if self._load_cell is None:
-            registers = self._sensor(self._native.attach_load_cell, "sck", "dout")
-            self._load_cell = LoadCell(registers, int(dict(self.configuration.generics)["clock_hz"]))
+            self._load_cell = self._sensor(LoadCell, self._native.attach_load_cell, "sck", "dout")
             self._load_cell.conversions_hz = 80
         if conversions_hz is not None:
             self._load_cell.conversions_hz = conversions_hz
@@ -309,11 +313,10 @@ class BoardComponent:
         motor.warm(63.5)  # degC
         """
         if self._thermometer is None:
-            registers = self._sensor(self._native.attach_thermometer, "line_drive", "line_in")
-            facts = {name: int(value) for name, value in self.configuration.generics}
-            self._thermometer = Thermometer(registers, facts["clock_hz"])
+            attach = self._native.attach_thermometer
+            self._thermometer = self._sensor(Thermometer, attach, "line_drive", "line_in")
             self._thermometer.warm(25.0)
-            self._thermometer.conversion_s = 0.7 / 2 ** (12 - facts["resolution"])
+            self._thermometer.conversion_s = 0.7 / 2 ** (12 - self._facts()["resolution"])
         return self._thermometer
 
     def led_strip(self) -> LedStrip:
@@ -324,20 +327,28 @@ class BoardComponent:
         """
         if self._led_strip is None:
             self._pin("out", "data", 0)
-            facts = {name: int(value) for name, value in self.configuration.generics}
+            facts = self._facts()
             self._led_strip = LedStrip(self, facts["leds"], facts["channels"])
         return self._led_strip
 
+    def _facts(self) -> dict[str, int]:
+        """Return the generics, if all are numbers."""
+        return {name: int(value) for name, value in self.configuration.generics}
+
     def _sensor(
-        self, attach: Callable[[int, tuple[int, int], float], _native.BoardDevice | None], out: str, into: str
-    ) -> DeviceRegisters:
+        self,
+        kind: type[AnySensor],
+        attach: Callable[[int, tuple[int, int], float], _native.BoardDevice | None],
+        out: str,
+        into: str,
+    ) -> AnySensor:
         """Put a sensor at an output and an input."""
         pins = self._pin("out", out, 0), self._pin("in", into, 0)
-        clock_hz = int(dict(self.configuration.generics)["clock_hz"])
+        clock_hz = self._facts()["clock_hz"]
         found = attach(self._number, pins, clock_hz / 1e6)
         if found is None:
             raise self._without_pins()
-        return DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz)
+        return kind(DeviceRegisters(found, self.configuration.path, clock_hz=clock_hz), clock_hz)
 
     def servo(self, number: int = 0) -> BusServo:
         """Return one of the servos of a `servo_bus`. The first call puts it there.
@@ -348,7 +359,7 @@ class BoardComponent:
         """
         if number not in self._servos:
             pins = self._pin("out", "tx", 0), self._pin("out", "tx_enable", 0), self._pin("in", "rx", 0)
-            facts = {name: int(value) for name, value in self.configuration.generics}
+            facts = self._facts()
             if not 0 <= number < facts["servos"]:
                 raise ValueRangeError(
                     f"{self.configuration.path} has {facts['servos']} servos: choose 0 to "

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from unitylink.errors import ValueRangeError
 
-from .device_registers import DeviceRegisters
+from .sensor import Sensor
 
 _SOUND_M_PER_S = 343.0  # at 20 degC
 _METRES_MOST = 30.0
 
 
-class DistanceSensor:
+class DistanceSensor(Sensor):
     """A sensor such as the HC-SR04. It answers each trigger with an echo.
 
         sensor = board.components["front"].distance_sensor()
@@ -21,18 +21,6 @@ class DistanceSensor:
 
     It begins with nothing that reflects. Calls may come from any thread.
     """
-
-    def __init__(self, registers: DeviceRegisters) -> None:
-        self._registers = registers
-
-    @property
-    def plugged(self) -> bool:
-        """Whether the sensor is there."""
-        return self._registers.plugged
-
-    @plugged.setter
-    def plugged(self, plugged: bool) -> None:
-        self._registers.plugged = plugged
 
     @property
     def shortest_s(self) -> dict[str, float]:
@@ -47,4 +35,4 @@ class DistanceSensor:
         if distance_m is not None and not 0 < distance_m <= _METRES_MOST:
             raise ValueRangeError(f"a sonar cannot see {distance_m} m: give more than 0 and at most 30 m")
         echo_us = 0 if distance_m is None else max(1, round(2e6 * distance_m / _SOUND_M_PER_S))
-        self._registers[0:4] = echo_us.to_bytes(4, "little")
+        self._put(0, echo_us, 4)

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from unitylink.errors import ValueRangeError
 
-from .device_registers import DeviceRegisters
+from .sensor import Sensor
 
 _INPUTS = 3
 _COUNTS_MOST = (1 << 23) - 1
 _PERIOD = 12  # the register of the clocks of a conversion
 
 
-class LoadCell:
+class LoadCell(Sensor):
     """A chip HX711, and what is at its inputs.
 
         cell = board.components["plate"].load_cell(conversions_hz=80)
@@ -23,31 +23,17 @@ class LoadCell:
     Calls may come from any thread.
     """
 
-    def __init__(self, registers: DeviceRegisters, clock_hz: int) -> None:
-        self._registers = registers
-        self._clock_hz = clock_hz
-
-    @property
-    def plugged(self) -> bool:
-        """Whether the chip is there."""
-        return self._registers.plugged
-
-    @plugged.setter
-    def plugged(self, plugged: bool) -> None:
-        self._registers.plugged = plugged
-
     @property
     def conversions_hz(self) -> float:
         """How many conversions it makes in a second: 10 or 80 as its pin RATE says, or any other number."""
-        clocks = int.from_bytes(bytes(self._registers[_PERIOD : _PERIOD + 4]), "little")
-        return self._clock_hz / clocks
+        return self._clock_hz / self._clocks(_PERIOD)
 
     @conversions_hz.setter
     def conversions_hz(self, hertz: float) -> None:
         if not 0.1 <= hertz <= 10_000:
             raise ValueRangeError(f"a load cell has no {hertz} conversions a second: give 0.1 to 10000")
         clocks = max(1, round(self._clock_hz / hertz))
-        self._registers[_PERIOD : _PERIOD + 4] = clocks.to_bytes(4, "little")
+        self._put(_PERIOD, clocks, 4)
 
     def weigh(self, counts: int, input: int = 0) -> None:
         """Let an input give so many counts. 0 is A with a gain of 128, 1 is B with 32, 2 is A with 64.
@@ -57,4 +43,4 @@ class LoadCell:
         if not 0 <= input < _INPUTS:
             raise ValueRangeError(f"a load cell has inputs 0 to {_INPUTS - 1}, not {input}")
         limited = max(-_COUNTS_MOST - 1, min(_COUNTS_MOST, int(counts)))
-        self._registers[4 * input : 4 * input + 3] = (limited & 0xFFFFFF).to_bytes(3, "little")
+        self._put(4 * input, limited & 0xFFFFFF, 3)

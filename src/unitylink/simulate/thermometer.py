@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from unitylink.errors import ValueRangeError
 
-from .device_registers import DeviceRegisters
+from .sensor import Sensor
 
 _COLDEST, _HOTTEST = -55.0, 125.0
 _TEMPERATURE, _CLOCKS, _RESTART = 16, 18, 22  # registers
 
 
-class Thermometer:
+class Thermometer(Sensor):
     """A DS18B20 with a supply of its own, or one that the line feeds.
 
         motor = board.components["motor"].thermometer()
@@ -22,39 +22,23 @@ class Thermometer:
     A conversion takes `conversion_s`. Calls may come from any thread.
     """
 
-    def __init__(self, registers: DeviceRegisters, clock_hz: int) -> None:
-        self._registers = registers
-        self._clock_hz = clock_hz
-
-    @property
-    def plugged(self) -> bool:
-        """Whether the thermometer is there."""
-        return self._registers.plugged
-
-    @plugged.setter
-    def plugged(self, plugged: bool) -> None:
-        self._registers.plugged = plugged
-
     @property
     def conversion_s(self) -> float:
         """How long a conversion takes."""
-        clocks = int.from_bytes(bytes(self._registers[_CLOCKS : _CLOCKS + 4]), "little")
-        return clocks / self._clock_hz
+        return self._clocks(_CLOCKS) / self._clock_hz
 
     @conversion_s.setter
     def conversion_s(self, seconds: float) -> None:
         if not 1e-3 <= seconds <= 10:
             raise ValueRangeError(f"a thermometer cannot convert in {seconds} s: give 0.001 to 10 s")
         clocks = round(self._clock_hz * seconds)
-        self._registers[_CLOCKS : _CLOCKS + 4] = clocks.to_bytes(4, "little")
+        self._put(_CLOCKS, clocks, 4)
 
     def warm(self, celsius: float) -> None:
         """Give it a temperature from -55 to 125 degC. Raises ValueRangeError for another one."""
         if not _COLDEST <= celsius <= _HOTTEST:
             raise ValueRangeError(f"a DS18B20 cannot have {celsius} degC: give -55 to 125 degC")
-        self._registers[_TEMPERATURE : _TEMPERATURE + 2] = (round(16 * celsius) & 0xFFFF).to_bytes(
-            2, "little"
-        )
+        self._put(_TEMPERATURE, round(16 * celsius) & 0xFFFF, 2)
 
     def restart(self) -> None:
         """Take its power away for a moment."""

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
+from unittest import mock
 from urllib.parse import urlsplit
 
 from .figure import BenchError, Figure, Run
@@ -18,28 +19,16 @@ from .programs import Process, native, twin
 from .timing import in_turns, times
 
 TOKEN = "bench-of-unity-link"
+TOKEN_SHOWN = {"UNITYLINK_TOKEN": TOKEN}
 COUNT = 100  # calls in each turn of the comparison with LiteX
 WRITES = 8  # confirmed writes in each turn: LiteX needs 44 ms for one
-
-
-@contextmanager
-def token_shown() -> Iterator[None]:
-    """Let links of this process show TOKEN. Whatever was there before comes back."""
-    before = os.environ.get("UNITYLINK_TOKEN")
-    os.environ["UNITYLINK_TOKEN"] = TOKEN
-    try:
-        yield
-    finally:
-        os.environ.pop("UNITYLINK_TOKEN")
-        if before is not None:
-            os.environ["UNITYLINK_TOKEN"] = before
 
 
 def measure(run: Run) -> Figure:
     """Measure a read through layer 4: through the server, and through the relay."""
     from .board import reads_of
 
-    with token_shown(), twin("tcp") as behind_server, twin("tcp") as behind_relay:
+    with mock.patch.dict(os.environ, TOKEN_SHOWN), twin("tcp") as behind_server, twin("tcp") as behind_relay:
         relayed = urlsplit(behind_relay.line()).port
         command = [sys.executable, "-m", "unitylink_lab.bench.server", behind_server.line()]
         with (
@@ -76,7 +65,7 @@ def through_litex(run: Run, operation: str, count: int, title: str, limit: float
 
     python = litex.environment(run)
     with ExitStack() as stack:
-        stack.enter_context(token_shown())
+        stack.enter_context(mock.patch.dict(os.environ, TOKEN_SHOWN))
         board = stack.enter_context(twin("pty", clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES))
         command = [sys.executable, "-m", "unitylink_lab.bench.server", board.line()]
         served = stack.enter_context(Process(command)).line()

@@ -27,6 +27,14 @@ class BusDevice {
   std::map<std::string, Clock, std::less<>> shortest;
 
  protected:
+  // The number that so many registers are, low byte first.
+  [[nodiscard]] std::uint32_t number(std::size_t first, std::size_t bytes) const noexcept {
+    std::uint32_t found = 0;
+    for (std::size_t place = first + bytes; place > first; --place) {
+      found = found << 8 | registers[place - 1];
+    }
+    return found;
+  }
   // What lasts from a clock until now. `never`: it has not begun.
   void lasted(const char* what, Clock from, Clock now) {
     if (from != never) {

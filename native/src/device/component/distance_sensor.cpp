@@ -28,10 +28,7 @@ void DistanceSensor::edge(bool level, Clock state) {
     return;
   }
   ++registers[4];
-  double echo_us = 0;
-  for (int byte = 3; byte >= 0; --byte) {
-    echo_us = echo_us * 256 + registers[static_cast<std::size_t>(byte)];
-  }
+  const double echo_us = number(0, 4);
   const auto begins = state + static_cast<Clock>(burst_us * lines_.us);
   rests_ = begins + static_cast<Clock>((echo_us > 0 ? echo_us : nothing_us) * lines_.us);
   pins_.drive_at(component_, lines_.echo, true, begins);

@@ -18,14 +18,6 @@ LoadCell::LoadCell(Pins& pins, std::uint32_t component, const LoadCellLines& lin
   pins.output(component, lines.sck, now)->watch([this](bool level, Clock state) { edge(level, state); });
 }
 
-std::uint32_t LoadCell::word(std::uint32_t first, std::uint32_t bytes) const noexcept {
-  std::uint32_t found = 0;
-  for (std::uint32_t byte = bytes; byte > 0; --byte) {
-    found = found << 8 | registers[first + byte - 1];
-  }
-  return found;
-}
-
 void LoadCell::edge(bool level, Clock state) {
   if (!level) {
     lasted("sck_high", rose_, state);
@@ -42,7 +34,7 @@ void LoadCell::edge(bool level, Clock state) {
   }
   if (pulses_ > bits && state >= ready_) {
     pulses_ = 0;
-    shift_ = word(4 * input_, 3);
+    shift_ = number(4 * input_, 3);
   }
   ++pulses_;
   if (pulses_ <= bits) {
@@ -59,7 +51,7 @@ void LoadCell::edge(bool level, Clock state) {
 
 void LoadCell::convert(Clock from, std::uint32_t conversions) {
   pulses_ = bits + 1;
-  ready_ = plugged ? from + Clock{conversions} * std::max(word(12, 4), 1u) : never;
+  ready_ = plugged ? from + Clock{conversions} * std::max(number(12, 4), 1u) : never;
   if (plugged) {
     pins_.drive_at(component_, lines_.dout, false, ready_);
   }

@@ -20,7 +20,6 @@ class LoadCell final : public BusDevice {
  private:
   void edge(bool level, Clock state);
   void convert(Clock from, std::uint32_t conversions);
-  [[nodiscard]] std::uint32_t word(std::uint32_t first, std::uint32_t bytes) const noexcept;
 
   Pins& pins_;
   std::uint32_t component_;

@@ -84,8 +84,7 @@ bool Thermometer::next_bit(Clock state) {
     if (state < ready_) {
       return false;
     }
-    registers[0] = registers[temperature];
-    registers[1] = registers[temperature + 1];
+    finish();
     return true;
   }
   if (bits_ >= 8 * scratchpad_bytes) {
@@ -122,12 +121,11 @@ void Thermometer::obey(Clock state) {
     case 0x4E: state_ = State::writing; break;
     case 0x44:
       state_ = State::converting;
-      ready_ = state + conversion();
+      ready_ = state + number(clocks, 4);
       break;
     case 0xBE:
       if (state >= ready_ && ready_ != 0) {  // also if nobody has asked whether it is done
-        registers[0] = registers[temperature];
-        registers[1] = registers[temperature + 1];
+        finish();
       }
       state_ = State::reading;
       break;
@@ -135,12 +133,10 @@ void Thermometer::obey(Clock state) {
   }
 }
 
-Clock Thermometer::conversion() const noexcept {
-  Clock found = 0;
-  for (std::size_t byte = 4; byte > 0; --byte) {
-    found = found << 8 | registers[clocks + byte - 1];
-  }
-  return found;
+// What was converted goes to the scratchpad.
+void Thermometer::finish() noexcept {
+  registers[0] = registers[temperature];
+  registers[1] = registers[temperature + 1];
 }
 
 std::uint8_t Thermometer::check() const noexcept {

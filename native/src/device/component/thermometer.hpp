@@ -30,7 +30,7 @@ class Thermometer final : public BusDevice {
   void pull(double after_us, double until_us, Clock from);
   [[nodiscard]] bool next_bit(Clock state);
   [[nodiscard]] std::uint8_t check() const noexcept;
-  [[nodiscard]] Clock conversion() const noexcept;
+  void finish() noexcept;
 
   Pins& pins_;
   std::uint32_t component_;
