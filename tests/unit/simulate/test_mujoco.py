@@ -129,7 +129,10 @@ def test_what_belongs_to_nothing_is_named(files: Path, caplog: pytest.LogCapture
     assert "no value drives the actuator lift_force" in caplog.text
 
 
-def test_a_model_that_blows_up_ends_the_plant_and_names_the_joint(files: Path) -> None:
+def test_a_model_that_blows_up_ends_the_plant_and_names_the_joint(
+    files: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(files)
     wild = MODEL.replace('timestep="0.0005" integrator="implicitfast"', 'timestep="0.01" integrator="Euler"')
     wild = wild.replace('kp="80" dampratio="1"', 'kp="1e9" kv="1e8"')
     (files / "arm.xml").write_text(wild)
@@ -138,6 +141,7 @@ def test_a_model_that_blows_up_ends_the_plant_and_names_the_joint(files: Path) -
         link.step(5.0)
         assert "has become unstable at" in str(link.board.error)
         assert "joint" in str(link.board.error)
+    assert sorted(file.name for file in files.iterdir()) == ["arm.ul", "arm.xml"]  # and no log of MuJoCo
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,7 @@ class MujocoPlant:
             self.model = mujoco.MjModel.from_xml_path(file)
         except ValueError as error:
             raise UnityLinkError(f"plant mujoco:{file}: {error}") from error
+        mujoco.set_mju_user_warning(_log.debug)  # else they go to a file in the working folder
         # or a model that has become unstable would begin anew, and say nothing
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.data = mujoco.MjData(self.model)
