@@ -319,20 +319,18 @@ void bind_board(nb::module_& module) {
                             }});
           },
           nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
-      .def(
-          "start",
-          [](PythonBoard& self, bool in_steps) {
-            std::string problem;
-            try {
-              const GilRelease released;
-              self.start(in_steps);
-              return;
-            } catch (const TimeConflict& conflict) {
-              problem = conflict.what();
-            }
-            raise_error("UnityLinkError", problem);
-          },
-          nb::arg("in_steps") = false)
+      .def("start",
+           [](PythonBoard& self) {
+             std::string problem;
+             try {
+               const GilRelease released;
+               self.start();
+               return;
+             } catch (const TimeConflict& conflict) {
+               problem = conflict.what();
+             }
+             raise_error("UnityLinkError", problem);
+           })
       .def_prop_ro("in_steps", &PythonBoard::in_steps)
       .def("stop", &Board::stop, Release())
       .def("url",

@@ -27,7 +27,7 @@ class Ticker final : public Lockstep::Member {
 
   [[nodiscard]] std::uint64_t due_ns() noexcept override { return due_ns_; }
   void take_in() noexcept override {}
-  bool work(std::uint64_t until_ns) noexcept override {
+  void work(std::uint64_t until_ns) noexcept override {
     CHECK(RobotTime::here().now_ns() == due_ns_);
     CHECK(until_ns >= due_ns_);
     record_ += name_;
@@ -35,15 +35,20 @@ class Ticker final : public Lockstep::Member {
     if (rings >= 0 && left == 0) {
       const std::uint64_t one = 1;
       CHECK(::write(rings, &one, sizeof one) == sizeof one);
-      return true;
     }
-    return false;
+    if (gives_news_to != nullptr && left == 0) {
+      gives_news_to->has_news_ = true;
+    }
   }
+  [[nodiscard]] bool has_news() noexcept override { return has_news_; }
+  void set_due(std::uint64_t due_ns) { due_ns_ = due_ns; }
 
   int left = 1000;
   int rings = -1;
+  Ticker* gives_news_to = nullptr;
 
  private:
+  bool has_news_ = false;
   std::string& record_;
   char name_;
   std::uint64_t period_ns_;
@@ -57,7 +62,7 @@ class Stepped {
     RobotTime::here().release(true);
     ::close(event_);
   }
-  int advance(std::uint64_t ns, const Lockstep::Member* self = nullptr) {
+  int advance(std::uint64_t ns, Lockstep::Member* self = nullptr) {
     return Lockstep::here().advance(ns, waiting_, self);
   }
   [[nodiscard]] int event() const { return event_; }
@@ -102,6 +107,53 @@ TEST_CASE("the one who waits does not work for itself, and wakes in the moment o
   CHECK(RobotTime::here().now_ns() == stepped_start + 500);
 }
 
+TEST_CASE("news need no descriptor") {
+  Stepped stepped;
+  std::string record;
+  Ticker self(record, 'x', 100);
+  Ticker other(record, 'o', 250);
+  other.left = 2;
+  other.gives_news_to = &self;
+  CHECK(Lockstep::here().advance(stepped_start + 1'000'000, {}, &self) == 1);
+  CHECK(record == "oo");
+  CHECK(RobotTime::here().now_ns() == stepped_start + 500);
+}
+
+TEST_CASE("a member that was touched is asked again, and others are not") {
+  Stepped stepped;
+  std::string record;
+  Ticker touched(record, 't', 1000);
+  Ticker left_alone(record, 'l', 1000);
+  CHECK(stepped.advance(stepped_start + 100) == 0);
+  touched.set_due(stepped_start + 300);
+  left_alone.set_due(stepped_start + 300);
+  Lockstep::here().touch(touched);
+  CHECK(stepped.advance(stepped_start + 999) == 0);
+  CHECK(record == "t");
+  left_alone.set_due(stepped_start + 1000);
+  CHECK(stepped.advance(stepped_start + 1001) == 0);
+  CHECK(record == "tl");
+}
+
+TEST_CASE("a member may leave in its own work, and the others stay") {
+  class Leaving final : public Lockstep::Member {
+   public:
+    [[nodiscard]] std::uint64_t due_ns() noexcept override { return stepped_start + 200; }
+    void take_in() noexcept override {}
+    void work(std::uint64_t) noexcept override { Lockstep::here().leave(*this); }
+  };
+  Stepped stepped;
+  std::string record;
+  Leaving leaving;
+  Lockstep::here().join(leaving);
+  Ticker stays(record, 's', 300);
+  CHECK(stepped.advance(stepped_start + 1000) == 0);
+  CHECK(record == "sss");
+  Lockstep::here().touch(leaving);  // it means nothing
+  CHECK(stepped.advance(stepped_start + 1300) == 0);
+  CHECK(record == "ssss");
+}
+
 TEST_CASE("with nothing due, a wait without an end gives way, and one with an end jumps there") {
   Stepped stepped;
   CHECK(stepped.advance(RobotTime::idle) == 0);
@@ -115,7 +167,7 @@ TEST_CASE("a member that is always due and does nothing does not stop time") {
    public:
     [[nodiscard]] std::uint64_t due_ns() noexcept override { return stepped_start; }
     void take_in() noexcept override {}
-    bool work(std::uint64_t) noexcept override { return false; }
+    void work(std::uint64_t) noexcept override {}
   };
   Stepped stepped;
   Stuck stuck;

@@ -50,7 +50,8 @@ void Board::set_plant(PlantHook hook) {
   plant_next_ = plant_.step ? 0 : never;
 }
 
-void Board::start(bool in_steps) {
+void Board::start() {
+  const bool in_steps = endpoint_->listen(this);
   RobotTime::here().claim(in_steps);
   started_ = true;
   in_steps_ = in_steps;
@@ -81,6 +82,9 @@ void Board::stop() {
 }
 
 void Board::wake() {
+  if (in_steps_) {  // enter() has touched it
+    return;
+  }
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(wake_, &one, sizeof one);
 }
@@ -102,6 +106,9 @@ std::unique_lock<std::mutex> Board::enter() {
   std::unique_lock lock(mutex_);
   --callers_;
   callers_.notify_one();
+  if (in_steps_) {
+    catch_up();
+  }
   return lock;
 }
 
@@ -195,7 +202,7 @@ bool Board::feed() {
   fed_ = false;
   std::array<std::uint8_t, 4096> bytes;
   const std::size_t room = std::min(bytes.size(), device_->room());
-  if (endpoint_->client() < 0 || room == 0) {
+  if ((endpoint_->client() < 0 && !endpoint_->has_client()) || room == 0) {
     return false;
   }
   const bool lingered = endpoint_->ended();
@@ -260,7 +267,6 @@ void Board::flush() {
     if (output_blocked_) {
       return;
     }
-    bytes_out_ += sent.bytes;
     output_sent_ += sent.bytes;  // 0 if the client has left; the next round drops the rest
   }
 }

@@ -55,8 +55,8 @@ class Board : private Lockstep::Member {
   ~Board() override;
 
   void set_plant(PlantHook hook);  // before start()
-  // In steps, it has no thread: whoever waits at a link runs it. Throws TimeConflict.
-  void start(bool in_steps = false);
+  // With the endpoint "lockstep" it has no thread: whoever waits at a link runs it. Throws TimeConflict.
+  void start();
   [[nodiscard]] bool in_steps() const noexcept { return in_steps_; }
   // Idempotent. Waits for the thread, and so for a step of the plant, unless this step itself calls it.
   void stop();
@@ -103,7 +103,8 @@ class Board : private Lockstep::Member {
   // in steps (board_steps.cpp)
   [[nodiscard]] std::uint64_t due_ns() noexcept override;
   void take_in() noexcept override;
-  bool work(std::uint64_t until_ns) noexcept override;
+  void work(std::uint64_t until_ns) noexcept override;
+  void catch_up();
   [[nodiscard]] Clock next_clock() const noexcept;
   [[nodiscard]] Clock in_time(Clock target);
   [[nodiscard]] Clock within_reach(Clock target) const noexcept;
@@ -129,7 +130,6 @@ class Board : private Lockstep::Member {
   BoardStatistics statistics_;
   std::vector<std::uint8_t> output_;  // taken from the device and not yet sent
   std::size_t output_sent_ = 0;
-  std::uint64_t bytes_out_ = 0;  // sent to clients so far
   bool output_blocked_ = false;
   bool fed_ = false;              // the device has just got bytes
   bool at_rest_ = true;           // the last byte sent ended a message
@@ -142,6 +142,7 @@ class Board : private Lockstep::Member {
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
   bool in_steps_ = false;
+  std::uint64_t caught_up_ns_ = 0;  // robot time until which it has worked
   bool started_ = false;
   std::thread thread_;
 };

@@ -44,10 +44,19 @@ void Board::take_in() noexcept {
   }
 }
 
-bool Board::work(std::uint64_t until_ns) noexcept {
+// Another one than its own work wants to know, or to change, its state.
+void Board::catch_up() {
+  Lockstep::here().touch(*this);
+  const std::uint64_t now_ns = RobotTime::here().now_ns();
+  if (now_ns != caught_up_ns_ && !stop_) {
+    caught_up_ns_ = now_ns;
+    device_->run_until(std::min(clock_now(), plant_next_));
+  }
+}
+
+void Board::work(std::uint64_t until_ns) noexcept {
   std::unique_lock lock(mutex_);
   const Clock until = whole_clocks(until_ns - start_ns_, configuration().clock_hz);
-  const std::uint64_t sent = bytes_out_;
   bool whole = false;
   while (!whole) {
     const Clock clock = std::min(next_clock(), device_->clock() + device_->most_unseen());
@@ -57,13 +66,12 @@ bool Board::work(std::uint64_t until_ns) noexcept {
     RobotTime::here().step_to(start_ns_ + nanoseconds_up(clock, configuration().clock_hz));
     step_plant(lock, clock);
     if (stop_) {  // the plant has closed its own board
-      return true;
+      return;
     }
     device_->run_until(clock);
     whole = gather() && (at_rest_ || output_.size() >= output_most);  // a message goes out as a whole, in one call
   }
   flush();
-  return bytes_out_ != sent;
 }
 
 }  // namespace unitylink::device

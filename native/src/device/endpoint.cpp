@@ -28,6 +28,9 @@ std::unique_ptr<Endpoint> make_endpoint(const std::string& kind, const std::stri
   if (name == "fd" && colon == std::string::npos) {
     return make_descriptor_endpoint();
   }
+  if (name == "lockstep" && colon == std::string::npos) {
+    return make_local_endpoint();
+  }
   if (name == "pty") {
     return make_terminal_endpoint(rest);
   }
@@ -37,7 +40,8 @@ std::unique_ptr<Endpoint> make_endpoint(const std::string& kind, const std::stri
   if (name == "udp") {
     return make_udp_endpoint(bind, port_number(kind, rest));
   }
-  throw EndpointError("endpoint '" + kind + "' is not known; choose fd, pty, pty:PATH, tcp, tcp:PORT, udp or udp:PORT");
+  throw EndpointError("endpoint '" + kind +
+                      "' is not known; choose fd, lockstep, pty, pty:PATH, tcp, tcp:PORT, udp or udp:PORT");
 }
 
 }  // namespace unitylink::device

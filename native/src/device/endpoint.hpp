@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "layer0_driver/lockstep.hpp"
+
 namespace unitylink::device {
 
 // The endpoint cannot be made. The message gives what was requested, the reason, and the remedy.
@@ -44,14 +46,17 @@ class Endpoint {
   [[nodiscard]] virtual bool must_look() const noexcept { return false; }
   // True after the client has ended its sending. It may still read, and `receive` then only finds out that it has left.
   [[nodiscard]] virtual bool ended() const noexcept { return false; }
+  // Touches `member` whenever there is something to admit, to receive, or room to send. False: this endpoint has
+  // descriptors to poll instead.
+  virtual bool listen(Lockstep::Member*) { return false; }
   // Dismisses the client. A terminal cannot do this.
   virtual void dismiss() {}
   virtual Transfer receive(std::span<std::uint8_t> room) = 0;
   virtual Transfer send(std::span<const std::uint8_t> bytes) = 0;
 };
 
-// `kind` is "fd", "pty[:PATH]", "tcp[:PORT]" or "udp[:PORT]". `bind` is the local address for the last two. Throws
-// EndpointError.
+// `kind` is "fd", "lockstep", "pty[:PATH]", "tcp[:PORT]" or "udp[:PORT]". `bind` is the local address for the last two.
+// Throws EndpointError.
 std::unique_ptr<Endpoint> make_endpoint(const std::string& kind, const std::string& bind);
 
 }  // namespace unitylink::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The four kinds of endpoint, and their common parts.
+// The kinds of endpoint, and their common parts.
 #pragma once
 
 #include <memory>
@@ -30,6 +30,7 @@ class StreamEndpoint : public Endpoint {
 };
 
 std::unique_ptr<Endpoint> make_descriptor_endpoint();
+std::unique_ptr<Endpoint> make_local_endpoint();
 std::unique_ptr<Endpoint> make_terminal_endpoint(const std::string& path);
 std::unique_ptr<Endpoint> make_tcp_endpoint(const std::string& bind, std::uint16_t port);
 std::unique_ptr<Endpoint> make_udp_endpoint(const std::string& bind, std::uint16_t port);

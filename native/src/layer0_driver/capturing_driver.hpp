@@ -40,6 +40,7 @@ class CapturingDriver final : public Driver {
   [[nodiscard]] int descriptor() const noexcept override { return driver_->descriptor(); }
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return driver_->byte_time_ns(); }
   [[nodiscard]] TimeSource time_source() const noexcept override { return driver_->time_source(); }
+  [[nodiscard]] LocalLine* local_line() noexcept override { return driver_->local_line(); }
   [[nodiscard]] std::string reason() const override { return driver_->reason(); }
   void messages_end_with(std::uint8_t end) noexcept override { driver_->messages_end_with(end); }
   [[nodiscard]] std::string warning() const override { return capture_->failure(); }

@@ -21,6 +21,7 @@ struct Transfer {
   Status status = Status::ok;
 };
 
+class LocalLine;
 class MappedMemory;
 
 // Not thread-safe, except that one thread may send while another receives.
@@ -37,7 +38,7 @@ class Driver {
   // Closes without a message to the other side, because another process still uses the port.
   virtual void disown() noexcept = 0;
 
-  // To poll for POLLIN and POLLOUT; -1 once closed.
+  // To poll for POLLIN and POLLOUT; -1 once closed, and with a local_line().
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // The time of one byte on the wire; 0 if the wire does not limit the speed (tcp, udp, pseudo-terminals).
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
@@ -52,6 +53,8 @@ class Driver {
   [[nodiscard]] virtual std::string reason() const = 0;
   // The registers, if they are memory of this machine and no bytes are sent. nullptr: this is a byte pipe.
   [[nodiscard]] virtual MappedMemory* memory() noexcept { return nullptr; }
+  // The line, if it is memory of this process and nothing can be polled. nullptr: there is a descriptor.
+  [[nodiscard]] virtual LocalLine* local_line() noexcept { return nullptr; }
   // A problem that does not stop the transfers, such as a trace that ended. Empty: none.
   [[nodiscard]] virtual std::string warning() const { return {}; }
 };

@@ -12,7 +12,7 @@ namespace {
 // If members stay due for so many times and do nothing, because a client takes no bytes for example, time goes on.
 constexpr unsigned still_most = 1'000;
 constexpr std::uint64_t stuck_step_ns = 1'000;
-// So often the descriptors are looked at while nothing happens: another thread may close the link.
+// So often it looks for news from other threads while nothing happens: one of them may close the link.
 constexpr std::uint64_t look_period_ns = 100'000'000;
 // While nothing is due at all, only another thread can change this.
 constexpr std::uint64_t idle_pause_ns = 1'000'000;
@@ -26,78 +26,137 @@ Lockstep& Lockstep::here() {
 
 void Lockstep::join(Member& member) {
   const std::scoped_lock lock(mutex_);
-  members_.push_back(&member);
+  {
+    const std::scoped_lock touched_lock(touched_mutex_);
+    touched_.reserve(members_.size() + 1);
+    members_.push_back(&member);
+    dues_.push_back(RobotTime::idle);
+    member.seat_ = members_.size() - 1;
+  }
   ++changes_;
+  touch(member);
 }
 
 void Lockstep::leave(Member& member) {
   const std::scoped_lock lock(mutex_);
-  std::erase(members_, &member);
+  if (member.seat_ == no_seat) {
+    return;
+  }
+  {
+    const std::scoped_lock touched_lock(touched_mutex_);
+    std::erase(touched_, &member);
+    dues_.erase(dues_.begin() + static_cast<std::ptrdiff_t>(member.seat_));
+    members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(member.seat_));
+    for (std::size_t seat = member.seat_; seat < members_.size(); ++seat) {
+      members_[seat]->seat_ = seat;  // in the same order, so that each run is the same
+    }
+    member.seat_ = no_seat;
+    member.touched_ = false;
+  }
   ++changes_;
 }
 
-void Lockstep::all_take_in(const Member* self) noexcept {
-  // a plant may open and close boards: then all are asked again
-  for (std::uint64_t seen = changes_ + 1; seen != changes_;) {
-    seen = changes_;
-    for (std::size_t index = 0; index < members_.size() && seen == changes_; ++index) {
-      if (members_[index] != self) {
-        members_[index]->take_in();
-      }
+void Lockstep::touch(Member& member) noexcept {
+  const std::scoped_lock lock(touched_mutex_);
+  if (member.seat_ != no_seat && !member.touched_) {
+    member.touched_ = true;
+    touched_.push_back(&member);
+    any_touched_ = true;
+  }
+}
+
+Lockstep::Member* Lockstep::next_touched() noexcept {
+  if (!any_touched_) {
+    return nullptr;
+  }
+  const std::scoped_lock lock(touched_mutex_);
+  if (touched_.empty()) {
+    any_touched_ = false;
+    return nullptr;
+  }
+  Member* const next = touched_.back();
+  touched_.pop_back();
+  next->touched_ = false;
+  return next;
+}
+
+void Lockstep::ask(std::size_t seat) noexcept {
+  const std::uint64_t changes = changes_;
+  Member* const member = members_[seat];
+  member->take_in();
+  const std::uint64_t due_ns = member->due_ns();
+  if (changes == changes_) {
+    dues_[seat] = due_ns;
+  }
+}
+
+void Lockstep::take_in(const Member* self) noexcept {
+  while (const Member* const member = next_touched()) {
+    if (member != self) {
+      ask(member->seat_);
     }
   }
 }
 
-// Lets the member work whose work is due first. Ends when another one is due, when something has gone from one to
-// another (true), or at `until_ns`.
-bool Lockstep::work(std::uint64_t until_ns, const Member* self) noexcept {
-  Member* first = nullptr;
+// Lets the member work whose work is due first, until another one is due. With none, it is `until_ns`.
+void Lockstep::work(std::uint64_t until_ns) noexcept {
+  std::size_t first = no_seat;
   std::uint64_t first_ns = until_ns;
   std::uint64_t second_ns = until_ns;
-  for (Member* const member : members_) {
-    const std::uint64_t due_ns = member == self ? RobotTime::idle : member->due_ns();
-    if (due_ns < first_ns) {
+  for (std::size_t seat = 0; seat < dues_.size(); ++seat) {
+    if (dues_[seat] < first_ns) {
       second_ns = first_ns;
-      first_ns = due_ns;
-      first = member;
+      first_ns = dues_[seat];
+      first = seat;
     } else {
-      second_ns = std::min(second_ns, due_ns);
+      second_ns = std::min(second_ns, dues_[seat]);
     }
   }
-  if (first_ns != RobotTime::idle) {
-    RobotTime::here().step_to(first_ns);
+  RobotTime::here().step_to(first_ns);
+  if (first == no_seat) {
+    return;
   }
-  return first != nullptr && first->work(second_ns);
+  const std::uint64_t changes = changes_;
+  members_[first]->work(second_ns);
+  if (changes == changes_) {
+    ask(first);
+  } else {  // a plant has opened or closed boards, perhaps its own
+    for (Member* const member : members_) {
+      touch(*member);
+    }
+  }
 }
 
-bool Lockstep::is_idle(const Member* self) noexcept {
-  return std::ranges::all_of(members_,
-                             [self](Member* member) { return member == self || member->due_ns() == RobotTime::idle; });
-}
-
-int Lockstep::advance(std::uint64_t until_ns, std::span<pollfd> waiting, const Member* self) noexcept {
+int Lockstep::advance(std::uint64_t until_ns, std::span<pollfd> waiting, Member* self) noexcept {
   const std::scoped_lock lock(mutex_);
+  if (self != nullptr) {
+    dues_[self->seat_] = RobotTime::idle;
+  }
+  int ready = 0;
   unsigned still = 0;
   for (;;) {
-    all_take_in(self);
-    std::uint64_t now_ns = RobotTime::here().now_ns();
-    if (const int ready = poll_for(waiting, 0); ready != 0 || now_ns >= until_ns) {
-      return ready;
+    take_in(self);
+    const std::uint64_t now_ns = RobotTime::here().now_ns();
+    ready = self != nullptr && self->has_news() ? 1 : 0;
+    ready += waiting.empty() ? 0 : poll_for(waiting, 0);
+    if (ready != 0 || now_ns >= until_ns) {
+      break;
     }
-    if (until_ns == RobotTime::idle && is_idle(self)) {
-      return poll_for(waiting, idle_pause_ns);
+    if (until_ns == RobotTime::idle &&
+        std::ranges::all_of(dues_, [](std::uint64_t due_ns) { return due_ns == RobotTime::idle; })) {
+      ready = poll_for(waiting, idle_pause_ns);
+      break;
     }
-    const std::uint64_t look_ns = std::min(until_ns, now_ns + std::min(look_period_ns, RobotTime::idle - now_ns));
-    for (bool news = false; !news && now_ns < look_ns;) {
-      const std::uint64_t before_ns = now_ns;
-      news = work(look_ns, self);
-      now_ns = RobotTime::here().now_ns();
-      still = now_ns == before_ns ? still + 1 : 0;
-      if (still > still_most) {
-        RobotTime::here().step_to(std::min(now_ns + stuck_step_ns, until_ns));
-      }
+    work(std::min(until_ns, now_ns + std::min(look_period_ns, RobotTime::idle - now_ns)));
+    still = RobotTime::here().now_ns() == now_ns ? still + 1 : 0;
+    if (still > still_most) {
+      RobotTime::here().step_to(std::min(now_ns + stuck_step_ns, until_ns));
     }
   }
+  if (self != nullptr) {
+    touch(*self);
+  }
+  return ready;
 }
 
 }  // namespace unitylink

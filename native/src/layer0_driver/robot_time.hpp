@@ -52,7 +52,7 @@ class RobotTime {
   // The robot time of this process.
   [[nodiscard]] static RobotTime& here();
 
-  [[nodiscard]] std::uint64_t now_ns() noexcept { return now_ns(real_ns()); }
+  [[nodiscard]] std::uint64_t now_ns() noexcept { return in_steps_ ? last_ns_.load() : now_ns(real_ns()); }
   [[nodiscard]] std::uint64_t now_ns(std::uint64_t real) noexcept;
 
   // Each board says how its time goes, before it starts and after it has ended. Throws TimeConflict if there are boards

@@ -173,6 +173,7 @@ void Link::submit_all(std::span<Exchange> exchanges) noexcept {
 void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
   if (!leading_) {
     lead(lock, until_ns);
+    touch_steps();
     return;
   }
   if (blocked_ || engine_->next_deadline_ns() < leading_until_ns_) {
@@ -208,11 +209,17 @@ void Link::hand_over() noexcept {
   }
 }
 
-void Link::wake() noexcept { signal(wake_descriptor_.get()); }
+void Link::wake() noexcept {
+  woken_ = true;
+  signal(wake_descriptor_.get());
+}
 
 // Sends the bytes of the engine, as many as the driver takes.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
+  if (!leading_) {
+    touch_steps();
+  }
   if (now < silent_until_ns_) {
     return;
   }
@@ -265,8 +272,9 @@ void Link::lead(Lock& lock, std::uint64_t until_ns, int other) noexcept {
   if (ready == 0) {
     ready = poll_until(until, waiting);
   }
-  const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
-  if (ready > 0 && waiting[1].revents != 0) {
+  const bool readable = driver_->local_line() != nullptr ||
+                        (ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0);
+  if (woken_.exchange(false) || (ready > 0 && waiting[1].revents != 0)) {
     std::uint64_t count = 0;
     static_cast<void>(!::read(wake_descriptor_.get(), &count, sizeof count));
   }

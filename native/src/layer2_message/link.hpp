@@ -253,7 +253,6 @@ class Link {
 
   // For a thread with a loop of its own (link_attend.cpp), such as a server's. It keeps the role of the leader from
   // one call of attend() to the next, so no other thread reads meanwhile.
-  //
   // Adds a request. It is sent in the next call of attend(). `on_done` is called in the thread that reads.
   void enqueue(Exchange& exchange);
   // How many requests are queued and not sent yet. push() sends what the line takes now.
@@ -298,6 +297,7 @@ class Link {
   void wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept;
   void flush(std::uint64_t now) noexcept;
   void lead(Lock& lock, std::uint64_t until_ns, int other = -1) noexcept;
+  void touch_steps() noexcept;
   [[nodiscard]] int poll_until(std::uint64_t until_ns, std::span<pollfd> waiting) noexcept;
   [[nodiscard]] static bool interrupted(Lock& lock) noexcept;
   void hand_over() noexcept;
@@ -383,6 +383,7 @@ class Link {
   std::string notice_;
   bool checksums_ = true;  // false: the device's datalink does not know '$'
   Descriptor wake_descriptor_;
+  std::atomic<bool> woken_ = false;
   Descriptor cancel_descriptor_;  // becomes readable when the link ends
 
   std::mutex mutex_;                   // guards all below, up to the next mutex

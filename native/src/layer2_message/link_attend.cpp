@@ -69,6 +69,7 @@ void Link::leave() {
   }
   attended_ = leading_ = false;
   --listeners_;
+  touch_steps();
   turn_.notify_all();
   idle_.notify_all();
 }

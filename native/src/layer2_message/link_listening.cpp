@@ -71,6 +71,7 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   }
   reader_leading_ = true;
   lead(lock, until_ns);
+  touch_steps();
   reader_leading_ = false;
   hand_over();
   published_.notify_one();

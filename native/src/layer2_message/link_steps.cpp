@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "layer0_driver/lockstep.hpp"
+#include "layer0_driver/local_line.hpp"
 #include "layer0_driver/polling.hpp"
 #include "layer2_message/link.hpp"
 
@@ -29,9 +29,13 @@ class Link::Step final : public Lockstep::Member {
     }
   }
 
-  bool work(std::uint64_t) noexcept override {
-    take_in();
-    return true;
+  void work(std::uint64_t) noexcept override { take_in(); }
+
+  [[nodiscard]] bool has_news() noexcept override {
+    const std::scoped_lock lock(link_.mutex_);
+    LocalLine* const line = link_.driver_->local_line();
+    return link_.woken_ || (line != nullptr &&
+                            (line->readable(LocalLine::link) || (link_.blocked_ && line->writable(LocalLine::link))));
   }
 
  private:
@@ -45,20 +49,39 @@ std::unique_ptr<Lockstep::Member> Link::step_of(Link& link, Driver::TimeSource c
 void Link::join_steps() {
   if (step_ != nullptr) {
     Lockstep::here().join(*step_);
+    if (LocalLine* const line = driver_->local_line(); line != nullptr) {
+      line->listen(LocalLine::link, step_.get());
+    }
   }
 }
 
 void Link::leave_steps() {
   if (step_ != nullptr) {
+    if (LocalLine* const line = driver_->local_line(); line != nullptr) {
+      line->listen(LocalLine::link, nullptr);
+    }
     Lockstep::here().leave(*step_);
   }
 }
 
-// Waits for a descriptor, at most until `until_ns`.
+// Its deadline may have changed, or it reads no longer for itself.
+void Link::touch_steps() noexcept {
+  if (step_ != nullptr) {
+    Lockstep::here().touch(*step_);
+  }
+}
+
+// Waits for a descriptor, at most until `until_ns`. The first two are of the line and of wake().
 int Link::poll_until(std::uint64_t until_ns, std::span<pollfd> waiting) noexcept {
   const std::uint64_t now = now_ns();
+  if (driver_->local_line() != nullptr) {  // then Step::has_news() knows of these two
+    waiting = waiting.subspan(waiting[2].fd < 0 ? 3 : 2);
+  }
   if (step_ != nullptr && until_ns > now) {
     return Lockstep::here().advance(until_ns, waiting, step_.get());
+  }
+  if (waiting.empty()) {
+    return 0;
   }
   return poll_for(waiting, until_ns == Engine::no_deadline ? for_ever : until_ns - std::min(until_ns, now));
 }

@@ -88,7 +88,7 @@ class Cycle:
                 "none was given since the line was lost or the device restarted; nothing was sent"
             )
         try:
-            fetched = at_once([partial(part.run, timeout_s) for part in self._parts])
+            fetched = at_once(self._generations, [partial(part.run, timeout_s) for part in self._parts])
         except LinkError as error:
             raise error.with_item(self.group.path)  # noqa: B904  the same error, now with its name
         for value, raw in self._raw.items():

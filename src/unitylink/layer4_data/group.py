@@ -138,7 +138,9 @@ class ValueGroup:
             return (started + link.now_s()) / 2, words
 
         try:
-            fetched = at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
+            fetched = at_once(
+                self._by_link, [partial(fetch, link, values) for link, values in self._by_link.items()]
+            )
         except LinkError as error:
             raise self._named(error)  # noqa: B904  the same error, now with its name
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
@@ -233,7 +235,7 @@ class ValueGroup:
 
         try:
             send(batched)  # sent here, because a batch belongs to its thread
-            at_once([partial(send, proxies) for proxies in by_link.values()])
+            at_once(by_link, [partial(send, proxies) for proxies in by_link.values()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904
 

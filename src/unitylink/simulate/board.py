@@ -90,8 +90,7 @@ class Board:
         self.spec = spec
         self.plant = plant
         self._plant_error: UnityLinkError | None = None
-        in_steps = endpoint == "lockstep"
-        self._native = self._make_native("fd" if in_steps else endpoint, bind)
+        self._native = self._make_native(endpoint, bind)
         self.components = BoardComponents(self._native, configuration.components)
         self.registers = Registers(self._native, configuration.data_bits, self.components)
         self._closed = False
@@ -99,7 +98,7 @@ class Board:
             self._power_up(spec)
         if plant is not None:
             self._attach(plant)
-        self._native.start(in_steps)
+        self._native.start()
         _open.add(self)
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:

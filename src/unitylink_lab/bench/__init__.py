@@ -62,6 +62,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "rtl": ("rtl", "measure"),
     "lockstep": ("lockstep", "measure_twin"),
     "lockstep-rtl": ("lockstep", "measure_rtl"),
+    "lockstep-64": ("lockstep", "measure_vector"),
     "import": ("start_up", "measure_import"),
     "version": ("start_up", "measure_version"),
 }

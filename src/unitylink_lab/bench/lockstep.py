@@ -10,12 +10,22 @@ from __future__ import annotations
 
 import time
 from math import sin
+from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from .figure import Figure, Run
 
 STEPS, ROUNDS, DT_S = 300, 11, 0.001
+BOARDS, BOARD_STEPS = 64, 1920
+
+_CART = """
+public cart() {
+   @position = 0x10: i32 READ(UNIT="m", SCALE=0.0001);
+   @force = 0x20: i16 WRITE(UNIT="N", SCALE=0.01, MIN=-5, MAX=5, SAFE=0);
+}
+"""
 
 
 def _measure(run: Run, name: str, scheme: str, limit: float, title: str) -> Figure:
@@ -72,3 +82,44 @@ def measure_twin(run: Run) -> Figure:
 def measure_rtl(run: Run) -> Figure:
     """Measure the figure on the compiled gateware, at 1 MHz. The first run compiles it."""
     return _measure(run, "lockstep-rtl", "rtl", 3.0, "the SCARA in steps of 1 ms, on the VHDL at 1 MHz")
+
+
+def measure_vector(run: Run) -> Figure:
+    """Measure what a board of a vector of 64 does, in parts of what one board alone does.
+
+    The plant is native, so that boards, links and environments are all that is measured.
+    """
+    import numpy as np
+
+    import unitylink.gym
+
+    def step_us(url: str, count: int) -> float:
+        vector = unitylink.gym.make_vector(url, count, dt_s=DT_S, reward=lambda seen, written: 0.0)
+        try:
+            vector.reset(seed=1)
+            actions = np.zeros((count, 1))
+            vector.step(actions)
+            start_s = time.perf_counter()
+            for _ in range(BOARD_STEPS // count):
+                vector.step(actions)
+            return (time.perf_counter() - start_s) / (BOARD_STEPS // count * count) * 1e6
+        finally:
+            vector.close()
+
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "cart.ul"
+        file.write_text(_CART)
+        url = f"sim:{file}?plant=ramp"
+        pairs = [(step_us(url, 1), step_us(url, BOARDS)) for _ in range(run.rounds(7))]
+    return Figure(
+        "lockstep-64",
+        f"{BOARDS} boards in steps of one process, each against one alone",
+        0.7,
+        False,
+        median(one_us / each_us for one_us, each_us in pairs),
+        "of its speed",
+        {
+            "a step of one alone us": median(one_us for one_us, _ in pairs),
+            f"a step of one of {BOARDS} us": median(each_us for _, each_us in pairs),
+        },
+    )

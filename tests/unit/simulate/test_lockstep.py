@@ -7,7 +7,7 @@ import asyncio
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -17,6 +17,7 @@ from unitylink.capture.pcapng import read_packets
 from unitylink.cli import main
 from unitylink.errors import LinkClosed, UnityLinkError, UrlError, ValueRangeError
 from unitylink.layer2_message import Link
+from unitylink.layer4_data import ValueGroup, load_spec_objects
 from unitylink.simulate import Board, BoardConfiguration, Registers
 from unitylink.spec import Spec, compile_text
 
@@ -171,6 +172,55 @@ def test_boards_of_a_process_share_the_time() -> None:
         assert left.time_s == pytest.approx(right.time_s, abs=1e-4)
         assert abs(other.read(0x10) - 2 * one.read(0x10)) <= 2
         assert stamps.available > 3  # read although nobody asked this link
+
+
+def test_boards_that_nothing_came_for_still_keep_their_time() -> None:
+    boards = [cart() for _ in range(6)]
+    links = [Link(board.url) for board in boards]
+    for number, link in enumerate(links):
+        link.write(0x20, number)
+    for _ in range(50):
+        links[3].step(0.01)
+        links[3].read(0x10)
+    assert {round(board.time_s, 4) for board in boards[1:]} == {round(boards[1].time_s, 4)}
+    moved = [link.read(0x10) for link in links]
+    for number, place in enumerate(moved):
+        assert abs(place - 500 * number) <= number
+    for each in (*links, *boards):
+        each.close()
+
+
+def test_a_group_of_two_links_needs_no_thread() -> None:
+    threads = set()
+
+    class Seen(Cart):
+        def step(self, time_s: float) -> None:
+            threads.add(threading.get_ident())
+            super().step(time_s)
+
+    spec = compile_text(TEXT, "cart.ul").spec
+    assert spec is not None
+    with ExitStack() as stack:
+        boards = [stack.enter_context(Board(spec, plant=Seen(), endpoint="lockstep")) for _ in range(2)]
+        links = [stack.enter_context(Link(board.url)) for board in boards]
+        robots = [load_spec_objects(spec, link) for link in links]
+        group = ValueGroup({f"{n}.{each.path}": each for n, robot in enumerate(robots) for each in robot})
+        for turn in range(20):
+            group.write([turn, -turn])
+            links[0].step(0.001)
+            assert set(group.snapshot()) == {"0.position", "1.position"}
+    assert threads == {threading.get_ident()}
+
+
+def test_what_nobody_reads_makes_the_board_wait_and_is_not_lost() -> None:
+    with driven() as (link, board):
+        for other in range(3):  # a link that is not read, because its program only steps
+            with cart() as silent, Link(silent.url) as deaf:
+                publishes = deaf.subscribe([0x10], divisor=1)
+                link.step(1.0)
+                assert publishes.available > 90, other
+                assert publishes.lost == publishes.missing == 0
+        assert board.error is None
 
 
 def test_a_board_cannot_differ_in_time_from_the_others() -> None:
