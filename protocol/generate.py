@@ -201,9 +201,9 @@ ARTEFACTS = {
     "src/unitylink/protocol.py": of_constants(python_text),
     "native/include/unitylink/protocol.hpp": of_constants(cpp_text),
     # The program of the small engine tells its sizes to the VHDL. The latencies of the framed engine are
-    # measured at its VHDL. No gateware knows a server.
+    # measured at its VHDL. No gateware knows a server. What a cycle of a ring costs is for the compiler.
     "gateware/common/protocol_pkg.vhd": of_constants(
-        vhdl_text, "small_engine", "framed_latency", "small_latency", "serve"
+        vhdl_text, "small_engine", "framed_latency", "small_latency", "serve", "tosnet_ring"
     ),
     "docs/protocol-constants.md": of_constants(markdown_text),
     "src/unitylink/settings.py": of_settings(settings.python_text),

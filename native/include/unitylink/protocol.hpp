@@ -195,6 +195,16 @@ inline constexpr std::uint32_t status_read_frozen_bit = 1;
 inline constexpr std::uint32_t status_commit_pending_bit = 0;
 }  // namespace tosnet
 
+namespace tosnet_ring {
+inline constexpr std::uint32_t nodes_max = 15;
+inline constexpr std::uint32_t baud_hz = 12500000;
+inline constexpr std::uint32_t byte_bits = 10;
+inline constexpr std::uint32_t rest_bytes = 18;
+inline constexpr std::uint32_t register_bytes = 32;
+inline constexpr std::uint32_t hop_bits = 75;
+inline constexpr std::uint32_t watchdog_us = 13107;
+}  // namespace tosnet_ring
+
 namespace frame {
 inline constexpr std::uint32_t version = 1;
 inline constexpr std::uint32_t delimiter = 0;

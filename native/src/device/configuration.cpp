@@ -79,8 +79,8 @@ std::string DeviceConfiguration::problem() const {
       return "tosnet.cycle_clocks is 0; choose the length of a network cycle in clock cycles";
     }
     std::uint32_t seen = 1u << (tosnet.master_id & 15u);
-    if (tosnet.master_id < 1 || tosnet.master_id > 15) {
-      return "tosnet.master_id is " + std::to_string(tosnet.master_id) + "; choose 1 to 15";
+    if (tosnet.master_id > 15) {
+      return "tosnet.master_id is " + std::to_string(tosnet.master_id) + "; choose 0 to 15";
     }
     for (const TosnetNode& node : tosnet.nodes) {
       if (node.id < 1 || node.id > 15 || (seen >> node.id & 1u) != 0) {

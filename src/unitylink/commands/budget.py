@@ -12,8 +12,10 @@ from unitylink.protocol import CLOCK_HZ_DEFAULT, GROUP_SIZE_2012, GROUPS_2012
 from unitylink.spec import load
 from unitylink.spec.isochrony.budget import DeviceBudget, budget
 from unitylink.spec.isochrony.latency import BITS_PER_BYTE
+from unitylink.spec.isochrony.ring import RingBudget, ring_budgets
 
-from .output import json_option, print_fields, print_json, print_table
+from .output import json_option, print_fields, print_json, print_table, shown_time
+from .ring_output import print_ring
 
 
 @click.command()
@@ -84,13 +86,21 @@ def command(
         )
         for device in spec.devices
     ]
+    rings = [
+        ring_budgets(spec.root(device.root), device, one)
+        for device, one in zip(spec.devices, budgets, strict=True)
+    ]
     if as_json:
-        print_json({"spec": spec.name, "hash": spec.hash, "devices": [_report(one) for one in budgets]})
+        reports = [_report(one, of) for one, of in zip(budgets, rings, strict=True)]
+        print_json({"spec": spec.name, "hash": spec.hash, "devices": reports})
     else:
         for number, one in enumerate(budgets):
             if number:
                 click.echo()
             _show(one)
+            for ring in rings[number]:
+                click.echo()
+                print_ring(ring)
     full = [one for one in budgets if one.load is not None and one.load > 1]
     for one in full:
         click.echo(
@@ -101,13 +111,14 @@ def command(
     return 1 if full else 0
 
 
-def _report(one: DeviceBudget) -> dict[str, Any]:
+def _report(one: DeviceBudget, rings: list[RingBudget]) -> dict[str, Any]:
     return {
         **asdict(one),
         "tick_bytes": one.tick_bytes,
         "bytes_per_s": one.bytes_per_s,
         "load": one.load,
         "fits_2012": one.fits_2012,
+        "rings": [asdict(ring) for ring in rings],
     }
 
 
@@ -164,4 +175,4 @@ def _fit(one: DeviceBudget) -> str:
 def _time(latency_s: float | None, one: DeviceBudget) -> str:
     if latency_s is None:
         return "over a period" if one.baud_hz else ""
-    return f"{latency_s * 1e3:.2f} ms" if latency_s >= 1e-3 else f"{latency_s * 1e6:.0f} us"
+    return shown_time(latency_s)

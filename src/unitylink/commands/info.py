@@ -13,6 +13,7 @@ from unitylink.errors import DeviceMismatch
 
 from .link_option import Target, link_argument, open_target, spec_option
 from .output import json_option, print_fields, print_json
+from .ring_output import ring_fields
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Configuration
@@ -42,9 +43,14 @@ _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 @json_option("all of it")
 def command(link: str, spec_file: str | None, as_json: bool) -> None:
     """The help text is in `help` above."""
+    from unitylink.spec.isochrony.ring import ring_budget
+    from unitylink.spec.ring import ring_at
+
     with open_target(link, spec_file, check=False) as target:
         configuration = target.link.configuration
-        networks = {f"0x{base:04X}": _network(target, base) for base in _tosnet_bases(target.spec)}
+        bases = _tosnet_bases(target.spec)
+        networks = {f"0x{base:04X}": _network(target, base) for base in bases}
+        rings = [ring_budget(ring_at(target.spec, base)) for base in bases if target.spec]
         report: dict[str, Any] = {
             "link": target.link.url,
             "configuration": {**asdict(configuration), "usable_group_size": configuration.usable_group_size},
@@ -54,7 +60,10 @@ def command(link: str, spec_file: str | None, as_json: bool) -> None:
             "device": asdict(target.link.description) if target.link.description else None,
             "health": asdict(health) if (health := target.link.health()) else None,
             "binding": _binding(target),
-            "networks": networks,
+            "networks": {
+                base: {**network, "budget": asdict(ring)}
+                for (base, network), ring in zip(networks.items(), rings, strict=True)
+            },
             "statistics": asdict(target.link.statistics()),
         }
     if as_json:
@@ -71,8 +80,8 @@ def command(link: str, spec_file: str | None, as_json: bool) -> None:
         print_fields(_spec_fields(report["spec"], verdict), title=f"spec {target.names.source}")
     else:
         print_fields([("binding", verdict)], title="spec: none given")
-    for base, network in networks.items():
-        print_fields(_network_fields(network), title=f"TosNet at {base}")
+    for (base, network), ring in zip(networks.items(), rings, strict=True):
+        print_fields([*_network_fields(network), *ring_fields(ring)], title=f"TosNet at {base}")
     print_fields(_statistics_fields(report["statistics"]), title="statistics (what is not shown is 0)")
 
 

@@ -95,3 +95,12 @@ def print_fields(fields: Sequence[tuple[str, str]], *, title: str = "") -> None:
     width = max((len(name) for name, _ in fields), default=0)
     for name, value in fields:
         click.echo(f"  {dim}{name.ljust(width)}{off}  {value}")
+
+
+def shown_time(time_s: float) -> str:
+    """Return a time in words.
+
+    >>> shown_time(0.000309), shown_time(0.0125)
+    ('309 us', '12.50 ms')
+    """
+    return f"{time_s * 1e3:.2f} ms" if time_s >= 1e-3 else f"{time_s * 1e6:.0f} us"

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,14 +17,12 @@ from unitylink.protocol import (
     READ_MANY_MAX,
     SMALL_ENGINE_GROUPS_MAX,
     TOSNET_ADDRESS_BITS,
-    TOSNET_IN_BIT,
-    TOSNET_MEMORY_WORDS,
-    TOSNET_NODE_SHIFT,
-    TOSNET_REGISTER_SHIFT,
 )
 from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.spec.expand.publishing import split
+from unitylink.spec.isochrony.ring import ring_budget
 from unitylink.spec.model import LINES, Instance, Link, Spec
+from unitylink.spec.ring import ring_at
 
 # What a design has beyond the needs of its spec: groups to which a program or a person subscribes at run
 # time, and a read-many for words that they choose.
@@ -389,30 +386,11 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
             f"the spec binds TosNet at {', '.join(hex(base) for base in bases)}; a virtual board has one "
             "network: simulate each public constructor on its own"
         )
-    memory = [(element.address - bases[0], element.access) for element in bound]
-    memory = [(word, access) for word, access in memory if 0 <= word < TOSNET_MEMORY_WORDS]
-    own = {_node(word) for word, access in memory if access == "WRITE" and not _is_input(word)} - {0}
-    remote = {_node(word) for word, access in memory if access == "READ" and not _is_input(word)} - {0}
-    remote |= {_node(word) for word, _ in memory if _is_input(word)} - {0}
-    master = _first(own) or _first(set(range(1, 16)) - remote) or 1
-    enabled = dict.fromkeys(sorted(remote - {master}), 0)
-    for word, _ in memory:
-        if _node(word) in enabled:
-            enabled[_node(word)] |= 1 << (word >> TOSNET_REGISTER_SHIFT & 7)
+    ring = ring_at(spec, bases[0])
     return TosnetConfiguration(
-        base=bases[0],
-        master_id=master,
-        nodes=tuple(TosnetNode(id, registers) for id, registers in enabled.items()),
+        base=ring.base,
+        master_id=ring.own.id,
+        master_registers=ring.own.registers,
+        cycle_s=ring_budget(ring).cycle_s,
+        nodes=tuple(TosnetNode(node.id, node.registers) for node in ring.nodes if node.id),
     )
-
-
-def _node(word: int) -> int:
-    return word >> TOSNET_NODE_SHIFT
-
-
-def _is_input(word: int) -> bool:
-    return bool(word >> TOSNET_IN_BIT & 1)
-
-
-def _first(numbers: Iterable[int]) -> int | None:
-    return min(numbers, default=None)

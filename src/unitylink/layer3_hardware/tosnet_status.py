@@ -90,13 +90,18 @@ class NetworkNode:
     def decode_list(cls, words: list[int]) -> tuple[NetworkNode, ...]:
         """Decode the network registers. The list ends at the first entry whose ring address is not its index.
 
+        Only the first node, the master, may have the id 0.
+
         >>> [n.node_id for n in NetworkNode.decode_list([0x010101, 0x030312, 0])]
         [1, 2]
+        >>> [n.node_id for n in NetworkNode.decode_list([0, 0x030312, 0])], NetworkNode.decode_list([0, 0])
+        ([0, 2], ())
         """
         nodes = []
         for index, word in enumerate(words):
             node_id, ring_address, enabled = word & 0xF, word >> 4 & 0xF, word >> 8 & 0xFF
-            if ring_address != index or node_id == 0:
+            if ring_address != index or (node_id == 0 and index):
                 break
             nodes.append(cls(node_id, ring_address, tuple(r for r in range(8) if enabled >> r & 1)))
-        return tuple(nodes)
+        found = len(nodes) > 1 or any(words[:1])  # without a ring all are 0
+        return tuple(nodes) if found else ()

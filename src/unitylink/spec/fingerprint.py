@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 
-from .model import Element, Group, Instance, Link
+from .model import Element, Group, Instance, Link, RingOptions
 from .types import ValueType
 
 _FORMAT = "unity-link spec 1"  # changes whenever the lines below change their form
@@ -39,6 +39,8 @@ def _lines(instance: Instance) -> Iterator[str]:
     link = instance.link
     yield f"( {instance.name} {instance.constructor} {','.join(instance.parameters)}"
     more = f" {link.size} {link.link}" if link.size or link.link else ""
+    if link.ring != RingOptions():
+        more += f" ring {link.ring.node} {link.ring.baud_hz} {link.ring.cycle_hz}"
     yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
     part = instance.component
     if part is not None:

@@ -57,13 +57,26 @@ class Publish:
 
 
 @dataclass(frozen=True)
+class RingOptions:
+    """What a TOSNET says about its ring. None means the default.
+
+    `node` is the PC's own node, `baud_hz` the line rate between nodes, and `cycle_hz` the rate of the network
+    cycle.
+    """
+
+    node: int | None = None
+    baud_hz: int | None = None
+    cycle_hz: int | None = None
+
+
+@dataclass(frozen=True)
 class LinkBinding:
     """The hardware proxy of an instance and of everything below it.
 
     `kind` is "memory" (plain memory, the default at base 0), "tosnet", "double_buffer" or "fifo". `ctrl` and
     `comm` name the run-time parameters of the public constructor that were bound to it. None means the
     default. `size` is the number of words of a double buffer, or the depth of a FIFO. `link` is the name of
-    the declared `Link`.
+    the declared `Link`. `ring` is for "tosnet".
     """
 
     kind: str
@@ -72,6 +85,7 @@ class LinkBinding:
     comm: str | None = None
     size: int = 0
     link: str = ""
+    ring: RingOptions = RingOptions()
 
     @property
     def words(self) -> int:

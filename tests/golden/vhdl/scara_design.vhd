@@ -97,13 +97,13 @@ begin
     slave : entity unitylink.tosnet_slave
       generic map (
         master_id        => 1,
-        master_registers => x"FF",
+        master_registers => x"00",
         nodes            => (0 => (id => 2, registers => x"07")),
         read_addresses   => (0 => 16#080#, 1 => 16#081#, 2 => 16#082#, 3 => 16#083#, 4 => 16#088#, 5 => 16#089#,
             6 => 16#08A#, 7 => 16#08B#),
         write_addresses  => (0 => 16#08C#, 1 => 16#08D#, 2 => 16#08E#, 3 => 16#08F#, 4 => 16#094#, 5 => 16#095#,
             6 => 16#096#, 7 => 16#097#),
-        cycle_clocks     => maximum(1, clock_hz / 10000),
+        cycle_clocks     => maximum(1, clock_hz / 9690),
         whole_memory     => false, -- the words of the spec only
         async_depth      => 0, -- nobody is there to listen
         max_skipped_writes => 0)

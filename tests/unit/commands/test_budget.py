@@ -43,3 +43,33 @@ def test_json_and_a_line_too_slow(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_spec_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["budget", "nowhere.ul"]) == 1
     assert "nowhere.ul" in capsys.readouterr().err
+
+
+def test_a_ring(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["budget", str(SCARA), "--json"]) == 0
+    ((ring,),) = (device["rings"] for device in json.loads(capsys.readouterr().out)["devices"])
+    assert (ring["own"], ring["nodes"], ring["registers"], ring["cycle_bytes"]) == (1, [2], 3, 114)
+    assert ring["publishes"][0]["sensor"] == {"typical_s": None, "bound_s": None}  # no baud rate
+    slow = tmp_path / "slow.ul"
+    slow.write_text("public net(u) { TOSNET(COMM=u, CYCLE_RATE=1 kHz); @a = 0x80: READ(); }")
+    assert main(["budget", str(slow)]) == 0
+    shown = capsys.readouterr().out
+    assert "cycle                    1.00 ms, 1,000 Hz, 52 us at best: 50 bytes" in shown
+    assert "when    values" not in shown  # it publishes nothing
+
+
+def test_the_ring_of_a_device(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", f"sim:{SCARA}"]) == 0
+    assert "sensor to the PC's node  155 us as a rule, 206 us at most" in capsys.readouterr().out
+    assert main(["info", f"sim:{SCARA}", "--json"]) == 0
+    (network,) = json.loads(capsys.readouterr().out)["networks"].values()
+    assert [node["node_id"] for node in network["nodes"]] == [1, 2]
+    assert network["budget"]["nodes"] == [2]
+
+
+def test_the_pc_is_node_0_where_another_is_node_1(capsys: pytest.CaptureFixture[str]) -> None:
+    walker = SCARA.parents[1] / "walker18" / "walker18.ul"
+    assert main(["info", f"sim:{walker}", "--json"]) == 0
+    (network,) = json.loads(capsys.readouterr().out)["networks"].values()
+    assert [node["node_id"] for node in network["nodes"]] == [0, 1, 2, 3, 4, 5, 6]
+    assert network["budget"]["own"] == 0

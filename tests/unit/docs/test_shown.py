@@ -51,9 +51,13 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_budget(capfd: pytest.CaptureFixture[str]) -> None:
-    (block,) = re.findall(r"^```console\n\$ (.*?)^```", (DOCS / "budget.md").read_text("utf-8"), re.M | re.S)
-    command, _, shown = block.partition("\n")
-    shows(shown, said(capfd, command))
+    blocks = re.findall(r"^```console\n\$ (.*?)^```", (DOCS / "budget.md").read_text("utf-8"), re.M | re.S)
+    (command, line), (same, ring) = (block.split("\n", 1) for block in blocks)
+    assert command == same
+    output = said(capfd, command)
+    shows(line, output)
+    of_ring = ring.removeprefix("...\n")
+    shows(of_ring, output[-len(of_ring.splitlines()) :])
 
 
 def test_a_captured_read(capfd: pytest.CaptureFixture[str]) -> None:

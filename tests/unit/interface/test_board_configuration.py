@@ -57,12 +57,19 @@ def test_tosnet_has_the_nodes_and_registers_of_the_spec() -> None:
     assert found.nodes == (TosnetNode(2, 0b11), TosnetNode(5, 0x80))
 
 
-def test_the_pc_is_a_node_the_spec_does_not_read_from() -> None:
-    assert tosnet("@a = 0x40: READ();", "@b = 0x80: READ();").master_id == 3
+def test_the_pc_is_a_node_below_those_that_the_spec_reads_from() -> None:
+    assert tosnet("@a = 0x40: READ();", "@b = 0x80: READ();").master_id == 0
+    assert tosnet("@a = 0xC0: READ();", "@b = 0x80: READ();").master_id == 1
 
 
 def test_the_pc_is_the_node_whose_outputs_it_writes() -> None:
     assert tosnet("@a = 0xC0: WRITE();", "@b = 0x80: READ();").master_id == 3
+
+
+def test_the_cycle_is_that_of_the_ring() -> None:
+    found = tosnet("@a = 0x80: READ();", "@b = 0x40: WRITE();")
+    assert (found.master_registers, found.nodes) == (1, (TosnetNode(2, 1),))
+    assert found.cycle_s == pytest.approx(77.6e-6)
 
 
 def test_tosnet_above_a_base() -> None:

@@ -269,14 +269,14 @@ def test_base_is_added_and_inner_tosnet_takes_over() -> None:
     text = """
     public a(ctrl,comm) {
         TOSNET(CTRL=ctrl, UART=comm, BASE=0x800);
-        @x = 0x1: READ();
+        @x = 0x81: READ();
         b: b();
     }
-    b() { @y = 0x2: READ(); TOSNET(BASE=4096); }
+    b() { @y = 0x82: READ(); TOSNET(BASE=4096); }
     """
     spec = clean(text)
     root = spec.root()
-    assert words(spec) == {"x": 0x801, "b.y": 0x1002}
+    assert words(spec) == {"x": 0x881, "b.y": 0x1082}
     assert root.instances[0].link == LinkBinding("tosnet", 0x1000, "ctrl", "comm")
 
 
@@ -287,8 +287,8 @@ def test_base_beyond_32_bits() -> None:
 
 
 def test_one_word_on_two_links_is_no_overlap() -> None:
-    text = """public a(one,two) { l: b(one); r: b(two); } b(c) { TOSNET(COMM=c); @x = 0x0: READ(); }"""
-    assert words(clean(text)) == {"l.x": 0, "r.x": 0}
+    text = """public a(one,two) { l: b(one); r: b(two); } b(c) { TOSNET(COMM=c); @x = 0x80: READ(); }"""
+    assert words(clean(text)) == {"l.x": 0x80, "r.x": 0x80}
 
 
 def test_statement_copied_whole_is_one_overlap() -> None:

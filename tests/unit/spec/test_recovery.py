@@ -103,7 +103,7 @@ ONE = {
     "braces for brackets": (SCARA.replace('("joint 1")', '{"joint 1"}'), "UL010", 3),
     "head lost": (SCARA.replace("joint(name): @ (spd,cpos,pos_sp,spd_sp) {", ""), "UL013", 7),
     "constructor within another": (
-        SCARA.replace("   j1:", "   inner() {\n      @x = 0x1: READ();\n   }\n   j1:").replace(
+        SCARA.replace("   j1:", "   inner() {\n      @x = 0x98: READ();\n   }\n   j1:").replace(
             "   j4", "   i: inner();\n   j4"
         ),
         "UL010",

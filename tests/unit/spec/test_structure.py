@@ -263,7 +263,7 @@ def test_links() -> None:
     link right (BAUD=115200);
     public one(c,l,r) { a: arm(c, l); b: table(c, r); }
     arm(c,l) { MEMORY(CTRL=c, COMM=l, BASE=0x100, LINK=left); @x = 0x1: u32 READ(PUBLISH(2 kHz)); }
-    table(c,r) { TOSNET(CTRL=c, COMM=r, LINK=right); @y = 0x0: READ(PUBLISH(100 Hz)); }
+    table(c,r) { TOSNET(CTRL=c, COMM=r, LINK=right); @y = 0x80: READ(PUBLISH(100 Hz)); }
     """)
     assert (spec.package, spec.name) == ("lab", "cell")
     left, right = spec.links

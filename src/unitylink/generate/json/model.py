@@ -139,6 +139,13 @@ def _binding(link: LinkBinding) -> dict[str, Any]:
         "comm": link.comm,
         "size": link.size,
         "link": link.link,
+        "ring": {
+            "node": link.ring.node,
+            "baud_hz": link.ring.baud_hz,
+            "cycle_hz": link.ring.cycle_hz,
+        }
+        if link.kind == "tosnet"
+        else None,
     }
 
 

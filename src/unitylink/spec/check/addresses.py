@@ -13,6 +13,7 @@ from ..report.diagnostics import Reporter
 from .blocks import check_blocks, check_windows
 from .engine import check_engine
 from .publishes import check_publishes
+from .ring import check_rings
 
 # (public constructor, its COMM): these share one address space and one set of groups
 _Device = tuple[str, "str | None"]
@@ -38,6 +39,7 @@ def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporte
     _check_events(resolver.roots, placed, reporter)
     check_publishes(tuple(resolver.roots), links, reporter)
     check_engine(tuple(resolver.roots), links, reporter)
+    check_rings(resolver, links, reporter)
 
 
 def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
@@ -170,9 +172,21 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
         reporter.report("UL058", number.start, number.end, message, hint)
         return
     inward = bool(offset >> protocol.TOSNET_IN_BIT & 1)
+    section = 1 << protocol.TOSNET_IN_BIT
+    if offset // section != (offset + element.words - 1) // section:
+        message = (
+            f"`{element.path}` has {element.words} words, and a register has {section} of each direction"
+        )
+        hint = (
+            f"the next words belong to another direction: begin at 0x{element.address // section * section:X}"
+        )
+        reporter.report("UL054", number.start, number.end, message, hint)
+        return
     if inward == element.writable:
         return
     node = offset >> protocol.TOSNET_NODE_SHIFT
+    if element.writable and node == element.link.ring.node:
+        return
     lies = f"0x{offset:X} is an {'IN' if inward else 'OUT'} word of node {node}"
     bit = f"bit {protocol.TOSNET_IN_BIT} of the address tells: 1 = IN, 0 = OUT"
     if element.writable:

@@ -7,12 +7,18 @@ from collections.abc import Mapping
 
 from ..meaning.evaluate import Evaluator, RunTime, Value
 from ..meaning.scope import ADDRESS_MAX, Scope
-from ..model import LinkBinding
+from ..model import LinkBinding, RingOptions
 from ..text.syntax import Number, Property
+from ..units import UNITS
 
 _DEPTH_DEFAULT = 16  # words of a FIFO without a DEPTH
 _SIZE_MAX = 1 << 20  # the most words of a double buffer
 _DEPTH_MAX = 1 << 16
+_NODE_MAX = 15  # four bits of an address, and of a packet
+_RATES = {  # property of TOSNET -> the least and the most, in Hz
+    "BAUD": (100_000, 1_000_000_000),
+    "CYCLE_RATE": (1, 1_000_000),
+}
 
 
 def bind_link(
@@ -48,7 +54,14 @@ def bind_link(
             message = f"a queue of {size} words: the gateware's hold a power of two"
             hint = f"write {1 << size.bit_length()}, or {1 << size.bit_length() - 1}"
             evaluator.reporter.report("UL058", *place, message, hint)
-    return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link)
+    ring = RingOptions()
+    if kind == "tosnet":
+        node_id = scope.link_property("NODE")
+        ring = RingOptions(
+            None if node_id is None else _number(node_id, (0, _NODE_MAX), 0, names, evaluator),
+            *(_rate(scope.link_property(key), names, evaluator) for key in _RATES),
+        )
+    return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link, ring)
 
 
 def _number(
@@ -65,3 +78,20 @@ def _number(
         return default  # already reported with the constructor
     value = evaluator.integer(given.argument, names, given.key, *limits)
     return default if value is None else value
+
+
+def _rate(given: Property | None, names: Mapping[str, Value], evaluator: Evaluator) -> int | None:
+    if given is None or given.argument is None:
+        return None
+    place = given.argument.start, given.argument.end
+    value = evaluator.quantity(given.argument, names, given.key, UNITS["Hz"])
+    if value is None:
+        return None
+    least, most = _RATES[given.key]
+    if isinstance(value, int) and least <= value <= most:
+        return value
+    message = f"{given.key} is {float(value):g} Hz"
+    evaluator.reporter.report(
+        "UL049", *place, message, f"it is a whole number of Hz from {least:,} to {most:,}"
+    )
+    return None

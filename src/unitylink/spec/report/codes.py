@@ -106,6 +106,7 @@ _HARDWARE = {
         UL103="snapshot group with two rates",
         UL104="publishes that the line cannot carry",
         UL105="what the small engine lacks",
+        UL108="ring that cannot be",
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",
@@ -114,6 +115,8 @@ _HARDWARE = {
         UL066="more publish groups than the 2012 gateware can hold",
         UL069="element twice in a group",
         UL100="rate rounded",
+        UL107="node id that does not suit a ring",
+        UL109="publish faster than the ring",
     ),
 }
 

@@ -9,7 +9,7 @@ from .expressions import ExpressionReader
 from .syntax import Argument, Name, Number, Property, PublishNode, TypeNode
 
 LINK_KIND_PROPERTIES = {
-    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK"),
+    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK", "NODE", "BAUD", "CYCLE_RATE"),
     "MEMORY": ("CTRL", "COMM", "UART", "BASE", "LINK"),
     "DOUBLE_BUFFER": ("CTRL", "COMM", "UART", "BASE", "LINK", "SIZE"),
     "FIFO": ("CTRL", "COMM", "UART", "BASE", "LINK", "DEPTH"),

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The budget of a TosNet ring, as `budget` and `info` print it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from .output import print_fields, print_table, shown_time
+
+if TYPE_CHECKING:
+    from unitylink.spec.isochrony.ring import RingBudget, Span
+
+
+def ring_fields(ring: RingBudget) -> list[tuple[str, str]]:
+    """Return names and values of what a ring costs."""
+    others = ", ".join(map(str, ring.nodes)) or "none"
+    size = 1 + len(ring.nodes)
+    slower = f", {shown_time(ring.shortest_s)} at best" if ring.cycle_s > ring.shortest_s else ""
+    return [
+        ("ring", f"the PC's own node {ring.own}, nodes {others}; {ring.registers} registers of 32 bytes"),
+        (
+            "cycle",
+            f"{shown_time(ring.cycle_s)}, {1 / ring.cycle_s:,.0f} Hz{slower}: {ring.cycle_bytes} bytes at "
+            f"{ring.baud_hz:,} baud, {size} hops of {ring.hop_s * 1e6:g} us",
+        ),
+        ("sensor to the PC's node", _span(ring.inward)),
+        ("commit to the outputs", _span(ring.outward)),
+    ]
+
+
+def print_ring(ring: RingBudget) -> None:
+    """Print the budget of a ring, with the age of what it publishes."""
+    print_fields(ring_fields(ring), title=f"TosNet at 0x{ring.base:04X}")
+    if ring.publishes:
+        click.echo()
+        rows = [(one.name, str(len(one.paths)), *_cells(one.sensor)) for one in ring.publishes]
+        titles = ("when", "values", "sensor to the last byte: usual", "at most")
+        print_table(titles, rows, right=[1, 2, 3])
+
+
+def _span(span: Span) -> str:
+    usual, most = _cells(span)
+    return f"{usual} as a rule, {most} at most"
+
+
+def _cells(span: Span) -> tuple[str, str]:
+    usual, most = (
+        "unknown" if time_s is None else shown_time(time_s) for time_s in (span.typical_s, span.bound_s)
+    )
+    return usual, most
