@@ -32,6 +32,7 @@ HEXADECIMAL = (
     "crc8",
     "datalink_error",
     "tosnet",
+    "tosnet_wire",
     "request_kind",
     "device_kind",
     "list_operation",
@@ -125,17 +126,17 @@ def cpp_typed(name: str, value: object, kind: str) -> str:
     return f"{kind} {name} = {f'0x{value:02X}' if kind in ('char', 'std::uint8_t') else value}"
 
 
-def vhdl_text(table: Table) -> str:
+def vhdl_text(table: Table, package: str = "protocol_pkg") -> str:
     lines = [
         "-- SPDX-License-Identifier: BSD-3-Clause",
         f"-- The constants of the wire protocols. {NOTE}",
         "library ieee;",
         "use ieee.std_logic_1164.all;",
         "",
-        "package protocol_pkg is",
-        "",
-        "  subtype byte_t is std_logic_vector(7 downto 0);",
+        f"package {package} is",
     ]
+    if package == "protocol_pkg":
+        lines += ["", "  subtype byte_t is std_logic_vector(7 downto 0);"]
     for section, values in table.items():
         lines += ["", f"  -- {section}"]
         for key, raw in values.items():
@@ -150,7 +151,7 @@ def vhdl_text(table: Table) -> str:
             else:
                 kind, text = "natural", str(value)
             lines.append(f"  constant {name} : {kind} := {text};")
-    lines += ["", "end package protocol_pkg;"]
+    lines += ["", f"end package {package};"]
     return "\n".join(lines) + "\n"
 
 
@@ -193,6 +194,11 @@ def of_constants(text: Callable[[Table], str], *without: str) -> Callable[[Table
     return lambda table: text({name: values for name, values in table.items() if name not in left_out})
 
 
+def of_the_ring(table: Table) -> str:
+    """Return the package that only the ring's gateware knows."""
+    return vhdl_text({"tosnet_wire": table["tosnet_wire"]}, "tosnet_wire_pkg")
+
+
 def of_settings(text: Callable[[settings.Settings], str]) -> Callable[[Table], str]:
     return lambda table: text(table["settings"])
 
@@ -203,8 +209,9 @@ ARTEFACTS = {
     # The program of the small engine tells its sizes to the VHDL. The latencies of the framed engine are
     # measured at its VHDL. No gateware knows a server.
     "gateware/common/protocol_pkg.vhd": of_constants(
-        vhdl_text, "small_engine", "framed_latency", "small_latency", "serve"
+        vhdl_text, "tosnet_wire", "small_engine", "framed_latency", "small_latency", "serve"
     ),
+    "gateware/tosnet/tosnet_wire_pkg.vhd": of_the_ring,
     "docs/protocol-constants.md": of_constants(markdown_text),
     "src/unitylink/settings.py": of_settings(settings.python_text),
     "native/include/unitylink/settings.hpp": of_settings(settings.cpp_text),

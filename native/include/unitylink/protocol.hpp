@@ -195,6 +195,28 @@ inline constexpr std::uint32_t status_read_frozen_bit = 1;
 inline constexpr std::uint32_t status_commit_pending_bit = 0;
 }  // namespace tosnet
 
+namespace tosnet_wire {
+inline constexpr std::uint32_t idle = 60;
+inline constexpr std::uint32_t begin = 188;
+inline constexpr std::uint32_t first_seed = 85;
+inline constexpr std::uint32_t crc_polynomial = 101;
+inline constexpr std::uint32_t crc_check = 223;
+inline constexpr std::uint32_t master_discovery = 2;
+inline constexpr std::uint32_t master_set = 3;
+inline constexpr std::uint32_t network_discovery = 4;
+inline constexpr std::uint32_t network_set = 5;
+inline constexpr std::uint32_t register_discovery = 6;
+inline constexpr std::uint32_t register_set = 7;
+inline constexpr std::uint32_t data = 10;
+inline constexpr std::uint32_t message_from_master = 9;
+inline constexpr std::uint32_t no_message_from_master = 1;
+inline constexpr std::uint32_t message_from_node = 10;
+inline constexpr std::uint32_t no_message_from_node = 2;
+inline constexpr std::uint32_t message_bytes = 12;
+inline constexpr std::uint32_t hop_bits = 75;
+inline constexpr std::uint32_t watchdog_bits = 163840;
+}  // namespace tosnet_wire
+
 namespace frame {
 inline constexpr std::uint32_t version = 1;
 inline constexpr std::uint32_t delimiter = 0;

@@ -1,0 +1,48 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The rings of the benches: who is in them.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+package tosnet_bench_pkg is
+
+  type ring_node_t is record
+    id        : natural range 0 to 15;
+    registers : std_ulogic_vector(7 downto 0);
+  end record;
+
+  type ring_t is array (natural range <>) of ring_node_t; -- in the order of the line
+
+  -- A ring of so many nodes. Its master is not the first one if it has more than two.
+  function ring_of (nodes : positive; kind : string) return ring_t;
+
+end package;
+
+package body tosnet_bench_pkg is
+
+  function ring_of (nodes : positive; kind : string) return ring_t is
+    constant ids    : string := "936B2D17F4A58CE";
+    variable result : ring_t(0 to nodes - 1);
+    variable digit  : character;
+  begin
+    for place in result'range loop
+      digit := ids(1 + place);
+      result(place).id := character'pos(digit) - character'pos('0') when digit <= '9' else
+                          character'pos(digit) - character'pos('A') + 10;
+      result(place).registers := x"01";
+      if kind = "mixed" then
+        case place mod 4 is
+          when 0      => result(place).registers := x"01";
+          when 1      => result(place).registers := x"84";
+          when 2      => result(place).registers := x"00";
+          when others => result(place).registers := x"03";
+        end case;
+      elsif kind = "full" then
+        result(place).registers := x"FF";
+      end if;
+    end loop;
+    return result;
+  end function;
+
+end package body;

@@ -1,0 +1,138 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- When things happen in a running TosNet ring: the strobe, the master's next packet, and the watchdogs.
+--
+-- Strobe    High for one clock, in all nodes at the same time, after each DATA packet: a slave waits a hop for each node
+--           that is still to come, the master not at all. With it, strobe_fresh says that the packet was fresh.
+-- Send      The master sends its first packet one hop after `begins`, and each further one pause_clocks after its
+--           strobe.
+-- Lost      A packet of the master that has not come back (nodes + 6) hops after it was sent is lost. The master has a
+--           strobe that is not fresh, and goes on. The slaves have none.
+-- Silence   `silence` is high for one clock when no good packet has come for watchdog_clocks.
+-- Reset     Nothing runs. The watchdog starts.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bit_pkg.all;
+
+entity tosnet_timing is
+  generic (
+    hop_clocks      : positive := 300;
+    pause_clocks    : positive := 192; -- at most hop_clocks
+    watchdog_clocks : positive := 655360
+  );
+  port (
+    clock       : in std_ulogic;
+    reset       : in std_ulogic; -- synchronous
+    running     : in std_ulogic;
+    begins      : in std_ulogic;
+    is_master   : in std_ulogic;
+    own_address : in unsigned(3 downto 0);
+    nodes       : in unsigned(3 downto 0);
+    good_packet : in std_ulogic; -- any packet
+    packet_done : in std_ulogic; -- a DATA packet
+    fresh       : in std_ulogic;
+    sent        : in std_ulogic;
+
+    strobe       : out std_ulogic;
+    strobe_fresh : out std_ulogic;
+    send         : out std_ulogic;
+    lost         : out std_ulogic;
+    silence      : out std_ulogic
+  );
+end entity;
+
+architecture rtl of tosnet_timing is
+
+  constant patience : positive := 6;
+
+  type state_t is (quiet, to_strobe, to_send, to_return);
+
+  signal state  : state_t;
+  signal hops   : natural range 0 to 15 + patience;
+  signal clocks : natural range 0 to hop_clocks - 1;
+  signal calm   : natural range 0 to watchdog_clocks - 1;
+
+begin
+
+  process (clock) is
+    variable next_state : state_t;
+    variable next_hops  : natural range 0 to 15 + patience;
+    variable ends       : boolean; -- a wait ends
+  begin
+    if rising_edge(clock) then
+      strobe     <= '0';
+      send       <= '0';
+      lost       <= '0';
+      next_state := state;
+      next_hops  := hops;
+      ends       := false;
+      if clocks < hop_clocks - 1 then
+        clocks <= clocks + 1;
+      else
+        clocks    <= 0;
+        ends      := hops <= 1 and state /= quiet;
+        next_hops := maximum(hops, 1) - 1;
+      end if;
+
+      if packet_done = '1' and is_master = '0' then
+        strobe_fresh <= fresh;
+        next_state   := to_strobe;
+        next_hops    := to_integer(nodes - own_address);
+        clocks       <= 0;
+      elsif (packet_done = '1' and state = to_return) or begins = '1' then
+        strobe_fresh <= fresh;
+        strobe       <= packet_done;
+        next_state   := to_send when is_master = '1' else quiet;
+        next_hops    := 1;
+        clocks       <= hop_clocks - pause_clocks;
+      elsif sent = '1' then
+        next_state := to_return;
+        next_hops  := to_integer(nodes) + patience;
+        clocks     <= 0;
+      elsif ends and state = to_strobe then
+        strobe     <= '1';
+        next_state := quiet;
+      elsif ends and state = to_send then
+        send       <= '1';
+        next_state := quiet;
+      elsif ends and state = to_return then
+        lost         <= '1';
+        strobe       <= '1';
+        strobe_fresh <= '0';
+        next_state   := to_send;
+        next_hops    := 1;
+      end if;
+      if running = '0' and begins = '0' then
+        next_state := quiet;
+        strobe     <= '0';
+        send       <= '0';
+      end if;
+      state <= next_state;
+      hops  <= next_hops;
+
+      silence <= '0';
+      if good_packet = '1' then
+        calm <= 0;
+      elsif calm = watchdog_clocks - 1 then
+        calm    <= 0;
+        silence <= '1';
+      else
+        calm <= calm + 1;
+      end if;
+
+      if reset = '1' then
+        state   <= quiet;
+        hops    <= 0;
+        clocks  <= 0;
+        strobe  <= '0';
+        send    <= '0';
+        lost    <= '0';
+        calm    <= 0;
+        silence <= '0';
+      end if;
+    end if;
+  end process;
+
+end architecture;
