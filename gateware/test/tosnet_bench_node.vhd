@@ -8,6 +8,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.bench_pkg.all;
+  use work.bit_pkg.all;
   use work.tosnet_bench_pkg.all;
   use work.tosnet_ring_pkg.all;
 
@@ -21,6 +22,8 @@ entity tosnet_bench_node is
     hop_bits          : positive;
     watchdog_bits     : positive;
     may_be_master     : boolean;
+    most_nodes        : positive;
+    two_rings         : boolean; -- some nodes may be absent
     oldest            : time -- a set that is older must not be taken for fresh
   );
   port (
@@ -39,16 +42,13 @@ entity tosnet_bench_node is
     oldest_set : out time;   -- of all that were taken for fresh
     address   : out natural range 0 to 15;
 
-    to_ring_valid   : in  std_ulogic;
-    to_ring_ready   : out std_ulogic;
-    to_ring_data    : in  std_ulogic_vector(31 downto 0);
-    to_ring_last    : in  std_ulogic_vector(1 downto 0);
-    to_ring_id      : in  std_ulogic_vector(3 downto 0);
-    from_ring_valid : out std_ulogic;
-    from_ring_ready : in  std_ulogic;
-    from_ring_data  : out std_ulogic_vector(31 downto 0);
-    from_ring_last  : out std_ulogic_vector(1 downto 0);
-    from_ring_id    : out std_ulogic_vector(3 downto 0)
+    post_message    : in  std_ulogic;                     -- each change posts a message
+    post_words      : in  std_ulogic_vector(95 downto 0); -- its first byte is on top
+    post_bytes      : in  natural range 0 to 12;
+    post_id         : in  natural range 0 to 15;
+    heard_bytes     : out natural;                       -- of all messages that came
+    heard_words     : out std_ulogic_vector(31 downto 0); -- their words, by exclusive or
+    heard_from      : out natural range 0 to 15           -- the sender of the last one
   );
 end entity;
 
@@ -71,6 +71,16 @@ architecture test of tosnet_bench_node is
   signal received_word    : std_ulogic_vector(31 downto 0);
   signal send_address     : std_ulogic_vector(9 downto 0);
   signal send_word        : std_ulogic_vector(31 downto 0);
+  signal to_ring_valid, to_ring_ready : std_ulogic;
+  signal to_ring_last     : std_ulogic_vector(1 downto 0);
+  signal to_ring_id       : std_ulogic_vector(3 downto 0);
+  signal words            : std_ulogic_vector(95 downto 0);
+  signal left             : natural range 0 to 12 := 0; -- bytes of the message that are not sent
+  signal posted           : std_ulogic := '0';
+  signal from_ring_valid  : std_ulogic;
+  signal from_ring_data   : std_ulogic_vector(31 downto 0);
+  signal from_ring_last   : std_ulogic_vector(1 downto 0);
+  signal from_ring_id     : std_ulogic_vector(3 downto 0);
 
   impure function stamp_now return stamp_t is
   begin
@@ -112,7 +122,8 @@ begin
   dut : entity work.tosnet_node
     generic map (
       clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
-      watchdog_bits => watchdog_bits, may_be_master => may_be_master)
+      watchdog_bits => watchdog_bits, may_be_master => may_be_master,
+      most_nodes => most_nodes)
     port map (
       clock => clock, reset => reset, line_in => samples, line_out => line_out, id => node_id,
       registers => ring(place).registers, running => running, is_master => is_master, own_address => own_address,
@@ -120,10 +131,43 @@ begin
       strobe_fresh => strobe_fresh, received_valid => received_valid, received_address => received_address,
       received_word => received_word, send_address => send_address, send_word => send_word,
       table_entry => open, table_mask => open,
-      to_ring_valid => to_ring_valid, to_ring_ready => to_ring_ready, to_ring_data => to_ring_data,
+      to_ring_valid => to_ring_valid, to_ring_ready => to_ring_ready, to_ring_data => words(95 downto 64),
       to_ring_last => to_ring_last, to_ring_id => to_ring_id, from_ring_valid => from_ring_valid,
-      from_ring_ready => from_ring_ready, from_ring_data => from_ring_data, from_ring_last => from_ring_last,
+      from_ring_ready => '1', from_ring_data => from_ring_data, from_ring_last => from_ring_last,
       from_ring_id => from_ring_id, message_lost => open);
+
+  to_ring_valid <= to_bit(left > 0);
+  to_ring_last  <= std_ulogic_vector(to_unsigned(minimum(left, 4) - 1, 2)) when left > 0 else "00";
+  to_ring_id    <= std_ulogic_vector(to_unsigned(post_id, 4));
+
+  post : process (clock) is
+  begin
+    if rising_edge(clock) then
+      if post_message /= posted then
+        posted <= post_message;
+        words  <= post_words;
+        left   <= post_bytes;
+      elsif to_ring_valid = '1' and to_ring_ready = '1' then
+        words <= words(63 downto 0) & x"00000000";
+        left  <= maximum(left, 4) - 4;
+      end if;
+    end if;
+  end process;
+
+  listen : process (clock) is
+  begin
+    if rising_edge(clock) then
+      if from_ring_valid = '1' then
+        heard_bytes <= heard_bytes + to_integer(unsigned(from_ring_last)) + 1;
+        heard_words <= heard_words xor from_ring_data;
+        heard_from  <= to_integer(unsigned(from_ring_id));
+      end if;
+      if reset = '1' then
+        heard_bytes <= 0;
+        heard_words <= (others => '0');
+      end if;
+    end if;
+  end process;
 
   user : process (clock) is
     variable hidden, shown : memory_t := (others => (others => '0'));
@@ -142,6 +186,9 @@ begin
       variable first_word  : boolean := true;
       variable word        : std_ulogic_vector(31 downto 0);
     begin
+      if two_rings and node /= place and not came(ring(node).id * 64) then
+        return;
+      end if;
       for number in 0 to 7 loop
         for lane in 0 to 3 loop
           if ring(node).registers(number) = '1' then

@@ -25,7 +25,10 @@ entity tosnet_ring_tb is
     error_bits        : natural  := 0;   -- one bit of so many is wrong, in one part of the run; 0: none
     cut               : boolean  := true;
     resets            : natural  := 2;
+    messages          : boolean  := true;
     only_first_master : boolean  := false; -- only the lowest id may be master
+    two_rings         : boolean  := false; -- of two nodes each at first, which are joined later
+    refused           : string   := "";    -- "same_id", "no_master" or "too_many": a ring that must not start
     seed              : positive := 1;
     log_file          : string   := ""     -- what is on the line of the first node, one sample per clock
   );
@@ -59,6 +62,16 @@ architecture test of tosnet_ring_tb is
     return lowest;
   end function;
 
+  function expected_trouble return trouble_t is
+  begin
+    if refused = "same_id" then
+      return trouble_same_id;
+    elsif refused = "no_master" then
+      return trouble_no_master;
+    end if;
+    return trouble_too_many;
+  end function;
+
   constant cycle_bits : positive := 10 * (18 + 32 * all_registers) + hop_bits * nodes; -- docs/tosnet.md
   constant cycle_time : time     := cycle_bits * bit_time;
   -- Elections, two lists and their sets, each once round, and one lost start.
@@ -69,8 +82,6 @@ architecture test of tosnet_ring_tb is
   type naturals_t is array (natural range <>) of natural;
   type words_t is array (natural range <>) of std_ulogic_vector(31 downto 0);
   type troubles_t is array (natural range <>) of trouble_t;
-  type pairs_t is array (natural range <>) of std_ulogic_vector(1 downto 0);
-  type ids_t is array (natural range <>) of std_ulogic_vector(3 downto 0);
 
   function periods return time_vector is
     variable result : time_vector(ring'range);
@@ -83,6 +94,27 @@ architecture test of tosnet_ring_tb is
     return result;
   end function;
 
+  function most_nodes return positive is
+  begin
+    if refused = "too_many" then
+      return nodes - 1;
+    end if;
+    return 15;
+  end function;
+
+  function all_ids return naturals_t is
+    variable result : naturals_t(ring'range);
+  begin
+    for place in ring'range loop
+      result(place) := ring(place).id;
+    end loop;
+    if refused = "same_id" then
+      result(nodes - 1) := ring(0).id;
+    end if;
+    return result;
+  end function;
+
+  constant ids           : naturals_t(ring'range)  := all_ids;
   constant clock_periods : time_vector(ring'range) := periods;
 
   signal done     : boolean := false;
@@ -94,40 +126,43 @@ architecture test of tosnet_ring_tb is
   signal trouble  : troubles_t(ring'range);
   signal fresh, stale, restarts, address : naturals_t(ring'range);
   signal oldest_set : time_vector(ring'range);
+  signal split      : boolean := two_rings;
   signal bits_wrong : boolean := false;
   signal wrong_bits : naturals_t(ring'range) := (others => 0);
   signal flips      : std_ulogic_vector(ring'range) := (others => '0');
 
-  signal to_valid   : std_ulogic_vector(ring'range) := (others => '0');
-  signal to_ready   : std_ulogic_vector(ring'range);
-  signal to_data    : words_t(ring'range) := (others => (others => '0'));
-  signal to_last    : pairs_t(ring'range) := (others => "11");
-  signal to_id      : ids_t(ring'range)   := (others => "0000");
-  signal from_valid : std_ulogic_vector(ring'range);
-  signal from_data  : words_t(ring'range);
-  signal from_last  : pairs_t(ring'range);
-  signal from_id    : ids_t(ring'range);
+  signal post_message : std_ulogic_vector(ring'range) := (others => '0');
+  signal post_words   : std_ulogic_vector(95 downto 0);
+  signal post_bytes   : natural range 0 to 12 := 0;
+  signal post_id      : natural range 0 to 15 := 0;
+  signal heard_bytes, heard_from : naturals_t(ring'range);
+  signal heard_words : words_t(ring'range);
 
 begin
 
   around : for place in ring'range generate
 
+    signal before_this : std_ulogic;
+
+  begin
+
     node : entity work.tosnet_bench_node
       generic map (
         ring => ring, place => place, clock_period => clock_periods(place), clocks_per_bit => clocks_per_bit,
         samples_per_clock => samples_per_clock, hop_bits => hop_bits, watchdog_bits => watchdog_bits,
-        may_be_master => not only_first_master or ring(place).id = lowest_id, oldest => oldest)
+        may_be_master => (not only_first_master or ring(place).id = lowest_id) and refused /= "no_master",
+        most_nodes => most_nodes, two_rings => two_rings, oldest => oldest)
       port map (
-        ended => done, reset => reset(place), id => ring(place).id, line_in => entries(place),
+        ended => done, reset => reset(place), id => ids(place), line_in => entries(place),
         line_out => lines(place), running => running(place), is_master => is_master(place),
         trouble => trouble(place), strobe => strobe(place), fresh => fresh(place), stale => stale(place),
         restarts => restarts(place), oldest_set => oldest_set(place), address => address(place),
-        to_ring_valid => to_valid(place), to_ring_ready => to_ready(place), to_ring_data => to_data(place),
-        to_ring_last => to_last(place), to_ring_id => to_id(place), from_ring_valid => from_valid(place),
-        from_ring_ready => '1', from_ring_data => from_data(place), from_ring_last => from_last(place),
-        from_ring_id => from_id(place));
+        post_message => post_message(place), post_words => post_words, post_bytes => post_bytes, post_id => post_id,
+        heard_bytes => heard_bytes(place),
+        heard_words => heard_words(place), heard_from => heard_from(place));
 
-    entries(place) <= (lines((place - 1) mod nodes) xor flips(place)) and not cut_line(place);
+    before_this    <= lines((place + 1 - 2 * (place mod 2)) mod nodes) when split else lines((place - 1) mod nodes);
+    entries(place) <= (before_this xor flips(place)) and not cut_line(place);
 
     noise : if error_bits > 0 generate
       process is
@@ -215,7 +250,39 @@ begin
       end loop;
     end procedure;
 
+    -- Sends a message of so many bytes, and waits until it has come. Target 0 means all other nodes.
+    procedure exchange_message (place : natural; target : natural; size : positive) is
+      variable message : std_ulogic_vector(95 downto 0);
+      variable bytes   : naturals_t(ring'range);
+      variable words   : words_t(ring'range);
+      variable goes    : boolean;
+    begin
+      message := random.vector(96);
+      for byte in size to 11 loop
+        message(95 - 8 * byte downto 88 - 8 * byte) := x"00";
+      end loop;
+      bytes      := heard_bytes;
+      words      := heard_words;
+      post_words <= message;
+      post_bytes <= size;
+      post_id    <= target;
+      post_message(place) <= not post_message(place);
+      wait for (nodes + 2) * cycle_time;
+      for other in ring'range loop
+        goes := other /= place and (target = 0 or ring(other).id = target);
+        if goes then
+          check_equal(heard_bytes(other) - bytes(other), size, "bytes of a message");
+          check_equal(heard_words(other), words(other) xor message(95 downto 64) xor message(63 downto 32)
+                      xor message(31 downto 0), "words of a message");
+          check_equal(heard_from(other), ring(place).id, "the sender of a message");
+        else
+          check_equal(heard_bytes(other), bytes(other), "bytes of a message to another node");
+        end if;
+      end loop;
+    end procedure;
+
     variable victim : natural range ring'range;
+    variable found  : boolean := false;
 
   begin
     random.seed(seed);
@@ -231,8 +298,43 @@ begin
       wait for random.integer_between(0, 60) * 1 us;
     end loop;
     reset <= (others => '0');
+
+    if refused /= "" then
+      wait for 4 * start_limit;
+      check((or running) = '0' and fresh = naturals_t'(ring'range => 0), "a ring runs that must not");
+      for place in ring'range loop
+        found := found or trouble(place) = expected_trouble;
+      end loop;
+      check(found, "no node says what is wrong");
+      report_passed("tosnet_ring_tb");
+      done <= true;
+      wait;
+    end if;
+
+    if two_rings then
+      wait for start_limit;
+      check((and running) = '1', "two rings run");
+      check_equal(is_master = (is_master'range => '0'), false, "two masters");
+      wait for random.integer_between(0, 1000) * cycle_time / 1000;
+      split <= false;
+      wait for 3 * cycle_time;
+      for place in ring'range loop
+        check(restarts(place) > 0, "node " & integer'image(ring(place).id) & " does not notice another ring");
+      end loop;
+    end if;
+
     all_run(start_limit, "after reset");
     measure_cycle;
+
+    if messages then
+      for place in ring'range loop
+        if place /= master then
+          exchange_message(master, ring(place).id, random.integer_between(1, 12));
+          exchange_message(place, ring(master).id, random.integer_between(1, 12));
+        end if;
+      end loop;
+      exchange_message(master, 0, 12);
+    end if;
 
     if error_bits > 0 then
       bits_wrong <= true;

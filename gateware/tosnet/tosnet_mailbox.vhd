@@ -53,13 +53,13 @@ architecture rtl of tosnet_mailbox is
 
   signal open_message : std_ulogic; -- the message that is sent has more bytes
   signal target       : std_ulogic_vector(3 downto 0);
-  signal lane         : unsigned(1 downto 0);
+  signal lane         : unsigned(1 downto 0) := "00";
   signal word_ends    : std_ulogic;
   signal continues    : std_ulogic; -- a full word has ended; the next one may belong to the message
 
   signal came  : std_ulogic_vector(95 downto 0); -- the first byte is on top
   signal kept  : std_ulogic_vector(95 downto 0);
-  signal bytes : unsigned(3 downto 0);           -- of `kept` that are not given yet
+  signal bytes : unsigned(3 downto 0) := "0000"; -- of `kept` that are not given yet
 
 begin
 

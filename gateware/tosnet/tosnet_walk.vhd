@@ -37,10 +37,10 @@ architecture rtl of tosnet_walk is
 
   -- The node whose section is walked through.
   signal valid     : std_ulogic := '0';
-  signal id        : std_ulogic_vector(3 downto 0);
+  signal id        : std_ulogic_vector(3 downto 0) := "0000";
   signal mask      : std_ulogic_vector(7 downto 0);
-  signal todo      : std_ulogic_vector(7 downto 0); -- registers of the section that are not finished
-  signal section   : std_ulogic;                    -- IN
+  signal todo      : std_ulogic_vector(7 downto 0) := x"00"; -- registers of the section that are not finished
+  signal section   : std_ulogic := '0';                    -- IN
   signal place     : unsigned(3 downto 0) := "0000"; -- byte of the register
   signal selected  : unsigned(2 downto 0);          -- the highest register of `todo`
   signal others_todo : std_ulogic_vector(7 downto 0);
@@ -49,8 +49,8 @@ architecture rtl of tosnet_walk is
   signal index     : unsigned(3 downto 0) := "0000";
   signal asked     : std_ulogic; -- the table shows the fields of `index`
   signal next_valid : std_ulogic := '0';
-  signal next_id    : std_ulogic_vector(3 downto 0);
-  signal next_mask  : std_ulogic_vector(7 downto 0);
+  signal next_id    : std_ulogic_vector(3 downto 0) := "0000";
+  signal next_mask  : std_ulogic_vector(7 downto 0) := x"00";
   signal next_own   : std_ulogic;
 
 begin
