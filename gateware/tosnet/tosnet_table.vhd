@@ -28,7 +28,7 @@ architecture rtl of tosnet_table is
 
   type memory_t is array (0 to 15) of std_ulogic_vector(7 downto 0);
 
-  signal entries, masks : memory_t;
+  signal entries, masks : memory_t := (others => x"00");
 
 begin
 
