@@ -1,8 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The network cycle of TosNet, without a ring. It decides when words are exchanged, and counts events of the network.
+-- The network cycle of TosNet, as its bus slave sees it. It decides when words are exchanged, and counts events of the
+-- network.
 --
--- ends      High in the clock that ends a cycle, every cycle_clocks, also while the network is offline.
+-- ends      High in the clock that ends a cycle, every cycle_clocks, also while the network is offline. With
+--           cycle_clocks = 0 a ring decides: ends is network_cycle.
 -- exchange  The same, but only while it is online. In this clock commits take effect and words travel.
 -- Counts    packets: exchanges. errors: clocks of `damaged`. resets: how often the network came back.
 -- halted    More than max_skipped_writes exchanges in a row had no pending commit. It ends when the network comes back.
@@ -10,10 +12,11 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.bit_pkg.all;
 
 entity tosnet_cycle is
   generic (
-    cycle_clocks       : positive                 := 5000;
+    cycle_clocks       : natural                  := 5000; -- 0: network_cycle
     max_skipped_writes : natural range 0 to 65535 := 0 -- 0 means that it never halts
   );
   port (
@@ -22,6 +25,7 @@ entity tosnet_cycle is
     online  : in std_ulogic;
     damaged : in std_ulogic; -- one clock for each damaged cycle
     pending : in std_ulogic; -- with exchange: a commit is pending
+    network_cycle : in std_ulogic := '0';
 
     ends         : out std_ulogic;
     exchange     : out std_ulogic;
@@ -37,12 +41,12 @@ end entity;
 
 architecture rtl of tosnet_cycle is
 
-  signal passed  : natural range 0 to cycle_clocks - 1;
+  signal passed  : natural range 0 to maximum(cycle_clocks, 1) - 1;
   signal skipped : natural range 0 to max_skipped_writes + 1;
 
 begin
 
-  ends     <= '1' when passed = cycle_clocks - 1 else '0';
+  ends     <= network_cycle when cycle_clocks = 0 else to_bit(passed = cycle_clocks - 1);
   exchange <= ends and online;
 
   process (clock) is
@@ -63,7 +67,7 @@ begin
       if ends = '1' then
         passed       <= 0;
         read_pointer <= not read_pointer;
-      else
+      elsif cycle_clocks > 0 then
         passed <= passed + 1;
       end if;
       if exchange = '1' then

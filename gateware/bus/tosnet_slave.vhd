@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. There is
--- no ring yet. The logic around this entity takes the place of the nodes, and a counter gives the network cycle.
+-- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. By itself
+-- it has no ring: the logic around this entity takes the place of the nodes, and a counter gives the network cycle.
+-- tosnet_bridge puts a ring behind it.
 -- docs/gateware/tosnet_slave.md has the bits.
 --
 --   000-3FF  shared memory, node * 64 + register * 8 + 4 if IN + word. The PC writes IN words and its own node's OUT
@@ -22,7 +23,8 @@
 -- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or
 --           the gateware starts again. Use it to bring outputs to a safe state.
 -- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait.
---           One clock of damaged is one cycle with an error.
+--           One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring: network_cycle is high
+--           for one clock when new read_words are there, and the network registers are those of its table.
 -- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
 --           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that has just
 --           arrived.
@@ -34,6 +36,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.bit_pkg.all;
   use work.protocol_pkg.all;
   use work.register_pkg.all;
   use work.tosnet_pkg.all;
@@ -47,7 +50,7 @@ entity tosnet_slave is
     nodes              : tosnet_node_vector_t         := tosnet_no_nodes_c;
     write_addresses    : tosnet_address_vector_t      := tosnet_no_addresses_c;
     read_addresses     : tosnet_address_vector_t      := tosnet_no_addresses_c;
-    cycle_clocks       : positive                     := 5000;
+    cycle_clocks       : natural                      := 5000; -- 0: a ring gives the cycle
     max_skipped_writes : natural range 0 to 65535     := 0;
     whole_memory       : boolean                      := true;
     async_depth        : natural range 0 to 2 ** 16   := 128 -- words each way, a power of two; 0: no channel
@@ -66,6 +69,14 @@ entity tosnet_slave is
 
     online  : in std_ulogic := '1';
     damaged : in std_ulogic := '0';
+
+    network_cycle : in  std_ulogic := '0';
+    is_master     : in  std_ulogic := '1';
+    own_address   : in  unsigned(3 downto 0) := "0000"; -- in the ring
+    ring_nodes    : in  unsigned(3 downto 0) := "0000";
+    table_index   : out unsigned(3 downto 0);
+    table_entry   : in  std_ulogic_vector(7 downto 0) := x"00"; -- one clock later
+    table_mask    : in  std_ulogic_vector(7 downto 0) := x"00";
 
     -- Asynchronous channel: a word, the index of its last valid byte (the first byte is in bits 31-24), the other node.
     to_node_valid   : out std_ulogic;
@@ -116,7 +127,8 @@ architecture rtl of tosnet_slave is
   signal store        : std_ulogic; -- … to the memory
   signal commit       : std_ulogic; -- … to the status
   signal ack, err     : std_ulogic;
-  signal from_memory  : std_ulogic; -- the answer is in memory_word; otherwise in word
+  signal from_memory  : std_ulogic; -- the answer is in memory_word
+  signal from_table   : std_ulogic; -- the answer is in the ring's table
   signal word         : word_t;
   signal memory_word  : word_t;
 
@@ -211,6 +223,7 @@ begin
     end process;
   end generate;
 
+  table_index  <= address(3 downto 0);
   memory_write <= store or clearing;
   memory_index <= clear_index when clearing = '1' else write_bank & index;
   memory_data  <= wishbone_m2s.dat and (31 downto 0 => not clearing);
@@ -247,7 +260,7 @@ begin
     if rising_edge(clock) then
       status := (
         tosnet_status_online_bit_c         => was_online,
-        tosnet_status_master_bit_c         => was_online,
+        tosnet_status_master_bit_c         => was_online and is_master,
         tosnet_status_packet_error_bit_c   => packet_error,
         tosnet_status_system_halt_bit_c    => halted,
         tosnet_status_read_error_bit_c     => read_refused,
@@ -259,7 +272,9 @@ begin
         tosnet_status_commit_pending_bit_c => commit_pending,
         others                             => '0');
       status(tosnet_status_node_id_shift_c + 3 downto tosnet_status_node_id_shift_c) :=
-        std_ulogic_vector(to_unsigned(master_id, 4)); -- its address in the ring is 0
+        std_ulogic_vector(to_unsigned(master_id, 4));
+      status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c) :=
+        std_ulogic_vector(own_address);
 
       good  := '0';
       given := (others => '0');
@@ -279,7 +294,9 @@ begin
         elsif address = tosnet_error_counter_c then
           given := std_ulogic_vector(errors);
         elsif address(10 downto 4) = tosnet_network_registers_c / 16 then
-          given := ring(to_integer(address(3 downto 0)));
+          if cycle_clocks > 0 then
+            given := ring(to_integer(address(3 downto 0)));
+          end if;
         elsif address = tosnet_async_tx_status_c then
           given(6 downto 0) := not tx_ready & tx_control;
         elsif address = tosnet_async_rx_status_c then
@@ -296,6 +313,8 @@ begin
       end if;
       word        <= given;
       from_memory <= is_memory and may_write;
+      from_table  <= to_bit(cycle_clocks = 0 and address(10 downto 4) = tosnet_network_registers_c / 16
+                            and address(3 downto 0) < ring_nodes);
 
       if wishbone_m2s.we = '1' then
         good := store or commit or tx_steer or tx_valid;
@@ -325,6 +344,7 @@ begin
     generic map (cycle_clocks => cycle_clocks, max_skipped_writes => max_skipped_writes)
     port map (
       clock => clock, reset => reset, online => online, damaged => damaged, pending => pending,
+      network_cycle => network_cycle,
       ends => cycle_ends, exchange => exchange, was_online => was_online, packet_error => packet_error,
       halted => halted, read_pointer => read_pointer, packets => packets, resets => resets, errors => errors);
 
@@ -429,7 +449,9 @@ begin
     wishbone_s2m     <= wishbone_s2m_idle;
     wishbone_s2m.ack <= ack and wishbone_m2s.cyc and wishbone_m2s.stb;
     wishbone_s2m.err <= err and wishbone_m2s.cyc and wishbone_m2s.stb;
-    wishbone_s2m.dat <= memory_word when from_memory = '1' else word;
+    wishbone_s2m.dat <= memory_word when from_memory = '1' else
+                        x"00" & table_mask & table_mask & table_entry when from_table = '1' else
+                        word;
   end process;
 
 end architecture;

@@ -112,7 +112,7 @@ architecture rtl of tosnet_node is
   signal take, out_control         : std_ulogic;
   signal out_data                  : byte_t;
 
-  signal begins, restart, was_lost, silence, foreign : std_ulogic;
+  signal begins, restart, was_lost, silence, foreign, way_changed : std_ulogic;
   signal cause     : trouble_t;
   signal master_id : std_ulogic_vector(3 downto 0);
   signal members   : std_ulogic_vector(15 downto 0);
@@ -185,13 +185,14 @@ begin
       clock => clock, reset => reset, running => running, begins => begins, is_master => is_master,
       own_address => own_address, nodes => nodes, good_packet => good_packet, packet_done => packet_done,
       fresh => fresh, sent => sent, strobe => strobe, strobe_fresh => strobe_fresh, send => send, lost => lost,
-      silence => silence);
+      way_changed => way_changed, silence => silence);
 
   good_packet <= done and good;
   damaged     <= (packet_done and not fresh) or broken or lost;
-  restart     <= silence or foreign or (line_lost and not was_lost);
+  restart     <= silence or foreign or way_changed or (line_lost and not was_lost);
   cause       <= trouble_line when line_lost = '1' else
                  trouble_foreign when foreign = '1' else
+                 trouble_way when way_changed = '1' else
                  trouble_silence;
 
   -- For what comes, for what the master sends, and for the user.

@@ -28,6 +28,7 @@ package tosnet_ring_pkg is
   constant trouble_other_list : trouble_t := x"7"; -- the list of nodes does not have this node at its address
   constant trouble_masks      : trouble_t := x"8"; -- the two masks of a node differ, or one is missing
   constant trouble_foreign    : trouble_t := x"9"; -- a DATA packet is of another ring
+  constant trouble_way        : trouble_t := x"A"; -- a packet came back earlier or later than the one before
 
   -- A byte of two halves: a command or the kind of a slot, and what it is about.
   function halves (high : natural range 0 to 15; low : std_ulogic_vector(3 downto 0)) return byte_t;

@@ -8,6 +8,9 @@
 --           strobe.
 -- Lost      A packet of the master that has not come back (nodes + 6) hops after it was sent is lost. The master has a
 --           strobe that is not fresh, and goes on. The slaves have none.
+-- Way       The time from the master's packet to its return is the same in each cycle, but for a symbol a hop. If it
+--           differs from the one before by half a hop, a node has gone or come without a gap on the line. Then the
+--           strobe is not fresh, and `way_changed` is high for one clock.
 -- Silence   `silence` is high for one clock when no good packet has come for watchdog_clocks.
 -- Reset     Nothing runs. The watchdog starts.
 
@@ -39,6 +42,7 @@ entity tosnet_timing is
     strobe_fresh : out std_ulogic;
     send         : out std_ulogic;
     lost         : out std_ulogic;
+    way_changed  : out std_ulogic;
     silence      : out std_ulogic
   );
 end entity;
@@ -52,6 +56,13 @@ architecture rtl of tosnet_timing is
   signal state  : state_t;
   signal hops   : natural range 0 to 15 + patience;
   signal clocks : natural range 0 to hop_clocks - 1;
+  -- In steps of an eighth of a hop.
+  constant step_clocks : positive := maximum(hop_clocks / 8, 1);
+  signal step_passed   : natural range 0 to step_clocks - 1;
+  signal way           : natural range 0 to 255;
+  signal last_way      : natural range 0 to 255;
+  signal way_known     : std_ulogic;
+
   signal calm   : natural range 0 to watchdog_clocks - 1;
 
 begin
@@ -65,6 +76,13 @@ begin
       strobe     <= '0';
       send       <= '0';
       lost       <= '0';
+      way_changed <= '0';
+      if step_passed < step_clocks - 1 then
+        step_passed <= step_passed + 1;
+      else
+        step_passed <= 0;
+        way         <= minimum(way, 254) + 1;
+      end if;
       next_state := state;
       next_hops  := hops;
       ends       := false;
@@ -84,6 +102,12 @@ begin
       elsif (packet_done = '1' and state = to_return) or begins = '1' then
         strobe_fresh <= fresh;
         strobe       <= packet_done;
+        last_way     <= way;
+        way_known    <= packet_done;
+        if packet_done = '1' and way_known = '1' and (way > last_way + 4 or way + 4 < last_way) then
+          strobe_fresh <= '0';
+          way_changed  <= '1';
+        end if;
         next_state   := to_send when is_master = '1' else quiet;
         next_hops    := 1;
         clocks       <= hop_clocks - pause_clocks;
@@ -91,6 +115,8 @@ begin
         next_state := to_return;
         next_hops  := to_integer(nodes) + patience;
         clocks     <= 0;
+        way         <= 0;
+        step_passed <= 0;
       elsif ends and state = to_strobe then
         strobe     <= '1';
         next_state := quiet;
@@ -129,6 +155,11 @@ begin
         strobe  <= '0';
         send    <= '0';
         lost    <= '0';
+        way_changed <= '0';
+        way     <= 0;
+        last_way <= 0;
+        way_known <= '0';
+        step_passed <= 0;
         calm    <= 0;
         silence <= '0';
       end if;
