@@ -292,7 +292,7 @@ begin
     absent <= '1';
     wait for 2 * cycle_time + watchdog_bits * bit_time;
     await_online('0', 1 us, "an absent node is not noticed");
-    wait for 10 ms;
+    wait for 3 ms;
     check((and slave_running(1 to slaves - 1)) = '1', "the rest of the ring runs");
     await_online('0', 1 us, "the ring is online without a node");
     read(tosnet_network_registers_c + slaves);

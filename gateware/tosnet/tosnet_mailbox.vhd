@@ -69,7 +69,7 @@ begin
     to_ring_data(15 downto 8)  and (7 downto 0 => open_message) when "10",
     to_ring_data(7 downto 0)   and (7 downto 0 => open_message) when others;
 
-  word_ends     <= open_message and send_step and to_bit(lane = unsigned(to_ring_last));
+  word_ends     <= to_bit(lane = unsigned(to_ring_last)) when (open_message and send_step) = '1' else '0';
   to_ring_ready <= word_ends;
 
   sending : process (clock) is
