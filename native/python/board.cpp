@@ -118,6 +118,9 @@ DeviceConfiguration configuration_of(nb::handle object) {
     for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
       result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
     }
+    if (const nb::object group = tosnet.attr("event_group"); !group.is_none()) {
+      result.tosnet.event_group = word_of(group, "event_group");
+    }
   }
   for (nb::handle fifo : nb::object(object.attr("fifos"))) {
     FifoConfiguration chosen{word(fifo, "base"), word(fifo, "depth"), std::nullopt, word(fifo, "remind_clocks")};
