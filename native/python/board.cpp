@@ -13,6 +13,7 @@
 
 #include "bindings.hpp"
 #include "board_device.hpp"
+#include "board_words.hpp"
 #include "device/board.hpp"
 #include "device/device.hpp"
 #include "device/rtl_device.hpp"
@@ -116,6 +117,9 @@ DeviceConfiguration configuration_of(nb::handle object) {
     result.tosnet.max_skipped_writes = word(tosnet, "max_skipped_writes");
     for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
       result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
+    }
+    if (const nb::object group = tosnet.attr("event_group"); !group.is_none()) {
+      result.tosnet.event_group = word_of(group, "event_group");
     }
   }
   for (nb::handle fifo : nb::object(object.attr("fifos"))) {
@@ -369,6 +373,8 @@ void bind_board(nb::module_& module) {
             return self.set(address, value) == BusStatus::ok;
           },
           nb::arg("address"), nb::arg("value"), Release())
+      .def("get_many", &get_many<PythonBoard>, nb::arg("addresses"), Release())
+      .def("set_many", &set_many<PythonBoard>, nb::arg("addresses"), nb::arg("words"), Release())
       .def("set_event", &Board::set_event, nb::arg("group"), nb::arg("high"), Release())
       .def("pulse_event", &Board::pulse_event, nb::arg("group"), Release())
       .def("receive_error", &Board::receive_error, nb::arg("bits"), Release())

@@ -17,9 +17,9 @@ from unitylink import Link, protocol
 from unitylink._native import Bus
 from unitylink.gateware import gateware_sources
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
-from unitylink.simulate import Board
+from unitylink.simulate import Board, Registers
 from unitylink.simulate.rtl import RtlBoard
-from unitylink.spec import load
+from unitylink.spec import Spec, compile_text, load
 
 ROOT = Path(__file__).resolve().parents[2]
 CLOCK_HZ = 1_000_000
@@ -190,3 +190,48 @@ def test_a_compiled_design_commits_as_the_twin_does() -> None:
     spec = load(ROOT / "examples" / "scara" / "scara.ul")
     with RtlBoard(spec) as rtl, Board(spec) as twin:
         assert commits(rtl) == commits(twin)
+
+
+ON_CYCLE = """public net(u) {
+   TOSNET(COMM=u, NODE=1, CYCLE_RATE=500 Hz);
+   @count = 0x401: READ(PUBLISH(on cycle));
+   @first = 0x80: READ(PUBLISH(on cycle));
+   @last = 0xBB: READ(PUBLISH(on cycle));
+}"""
+
+
+class Pair:
+    """A plant that gives two words of one value. A set of values is torn if they differ."""
+
+    period_s = 0.7e-3  # several steps a cycle
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        self.registers, self.count = registers, 0
+
+    def step(self, time_s: float) -> None:
+        self.count += 1
+        self.registers[0x80] = self.registers[0xBB] = self.count
+
+
+def cycles(board: Board) -> list[list[int]]:
+    """Return what the board publishes in some of its cycles."""
+    found: list[list[int]] = []
+    with (
+        Link(f"{board.url}?timeout=10") as link,
+        link.subscribe([0x401, 0x80, 0xBB], on_event=True, group=0) as publishes,
+    ):
+        while len(found) < 40:
+            assert publishes.wait(30.0)
+            found += publishes.drain()[1].tolist()
+    return found
+
+
+def test_a_compiled_design_publishes_each_cycle_as_the_twin_does() -> None:
+    spec = compile_text(ON_CYCLE, "net.ul").spec
+    assert spec is not None
+    with RtlBoard(spec, plant=Pair()) as rtl, Board(spec, plant=Pair()) as twin:
+        for found in (cycles(rtl), cycles(twin)):
+            counts = [count for count, _, _ in found]
+            assert counts == list(range(counts[0], counts[0] + len(counts)))
+            assert all(first == last for _, first, last in found)
+            assert len({first for _, first, _ in found}) == len(found), "each cycle has values of its own"

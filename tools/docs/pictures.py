@@ -13,6 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import ring_picture
 from made_files import parser_of, write_or_compare
 from picture import BOLD, CHECK, DEVICE, FAINT, GRID, INK, MONO, PC, PUBLISH, SMALL, Picture
 
@@ -177,7 +178,13 @@ def publish() -> str:
     return picture.svg()
 
 
-PICTURES = {"architecture.svg": architecture, "message.svg": message, "publish.svg": publish}
+PICTURES = {
+    "architecture.svg": architecture,
+    "message.svg": message,
+    "publish.svg": publish,
+    "tosnet_ring.svg": ring_picture.ring,
+    "tosnet_cycle.svg": ring_picture.cycle,
+}
 
 
 def main() -> int:

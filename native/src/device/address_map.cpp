@@ -33,8 +33,9 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
     regions_.push_back({{base, base + (size - 1)}, std::move(slave)});
   };
   if (configuration.tosnet.present) {
-    auto tosnet = std::make_unique<Tosnet>(configuration.tosnet);
+    auto tosnet = std::make_unique<Tosnet>(configuration.tosnet, sink);
     tosnet_ = tosnet.get();
+    timed_.push_back(tosnet_);
     add(configuration.tosnet.base, 1u << protocol::tosnet::address_bits, std::move(tosnet));
   }
   for (const FifoConfiguration& fifo : configuration.fifos) {

@@ -58,20 +58,23 @@ void Board::work(std::uint64_t until_ns) noexcept {
   std::unique_lock lock(mutex_);
   const Clock until = whole_clocks(until_ns - start_ns_, configuration().clock_hz);
   bool whole = false;
-  while (!whole) {
-    const Clock clock = std::min(next_clock(), device_->clock() + device_->most_unseen());
-    if (clock > until) {
-      break;
+  do {
+    const Clock stop = std::min(plant_next_, until);
+    if (output_blocked_) {
+      device_->run_until(std::min(stop, std::max(device_->clock(), device_->next_event())));
+    } else {
+      device_->run_to_output(stop);
     }
-    RobotTime::here().step_to(start_ns_ + nanoseconds_up(clock, configuration().clock_hz));
-    step_plant(lock, clock);
-    if (stop_) {  // the plant has closed its own board
-      return;
+    RobotTime::here().step_to(start_ns_ + nanoseconds_up(device_->clock(), configuration().clock_hz));
+    if (plant_next_ <= device_->clock()) {
+      step_plant(lock, device_->clock());
+      break;  // it may have moved something at other boards
     }
-    device_->run_until(clock);
     whole = gather() && (at_rest_ || output_.size() >= output_most);  // a message goes out as a whole, in one call
+  } while (!whole && device_->clock() < until);
+  if (!stop_) {  // the plant may have closed its own board
+    flush();
   }
-  flush();
 }
 
 }  // namespace unitylink::device

@@ -88,6 +88,10 @@ std::string DeviceConfiguration::problem() const {
       }
       seen |= 1u << node.id;
     }
+    if (tosnet.event_group && !(*tosnet.event_group < groups && edge_event(*tosnet.event_group))) {
+      return "the event_group of tosnet is " + std::to_string(*tosnet.event_group) +
+             "; choose one of the board's groups and list it in edge_events";
+    }
   }
   for (const FifoConfiguration& queue : fifos) {
     if (queue.depth == 0) {

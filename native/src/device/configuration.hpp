@@ -34,6 +34,8 @@ struct TosnetConfiguration {
   std::uint32_t cycle_clocks = 5000;     // one network cycle: 100 us at 50 MHz
   std::uint32_t max_skipped_writes = 0;  // after so many cycles without a commit the system halts; 0: never
   std::vector<TosnetNode> nodes;
+  // the group whose event input each cycle drives; its edge counts
+  std::optional<std::uint32_t> event_group = std::nullopt;
 };
 
 struct FifoConfiguration {

@@ -132,8 +132,11 @@ Clock Device::next_beside_frames() const noexcept {
                    subscriptions_.next_clock(), bus_.next_clock(), pins_.next_turn()});
 }
 
-void Device::run_until(Clock clock) {
+void Device::run(Clock clock, bool to_output) {
   for (;;) {
+    if (to_output) {
+      clock = std::min(clock, std::max(clock_, output_.next_output()));
+    }
     const Clock beside = next_beside_frames();
     const Clock receiver = receiver_clock();
     const Clock framed = framed_clock();

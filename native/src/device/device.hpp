@@ -42,7 +42,8 @@ class Device final : public ServedDevice {
   void set_event(std::uint32_t group, bool high) override;
   void set_events(std::uint32_t mask);  // the event inputs of groups 0..31 at once
 
-  void run_until(Clock clock) override;
+  void run_until(Clock clock) override { run(clock, false); }
+  void run_to_output(Clock limit) override { run(limit, true); }
   [[nodiscard]] Clock next_event() const noexcept override;
   // When the datalink last took or sent a byte.
   [[nodiscard]] Clock last_activity() const noexcept { return last_activity_; }
@@ -65,6 +66,7 @@ class Device final : public ServedDevice {
   [[nodiscard]] Clock framed_clock() const noexcept;
   [[nodiscard]] bool classic_idle() const noexcept { return application_.idle() && transmitter_.idle(); }
   [[nodiscard]] Clock next_beside_frames() const noexcept;
+  void run(Clock clock, bool to_output);
   void take_bytes(Clock limit);
   void report(std::uint8_t code, Clock at);
   void swallow(const DatalinkReceiver::Taken& failed);

@@ -3,6 +3,7 @@
 // board's clock.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -47,6 +48,10 @@ class ServedDevice {
 
   // Runs everything that is due up to and at `clock`. It never goes back.
   virtual void run_until(Clock clock) = 0;
+  // The same, but it ends when a byte has come out, or earlier.
+  virtual void run_to_output(Clock limit) {
+    run_until(std::min({limit, next_event(), next_output(), clock() + most_unseen()}));
+  }
   // The most clocks to run at once, so that the board can serve its client in between.
   [[nodiscard]] virtual Clock most_at_once() const noexcept { return never; }
   // The most clocks to run before its output is looked at, if another part of the process waits for it in device time.

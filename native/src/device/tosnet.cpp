@@ -2,6 +2,7 @@
 #include "device/tosnet.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace unitylink::device {
 
@@ -18,7 +19,12 @@ constexpr std::uint32_t place(const AsyncWord& word) noexcept {
 
 }  // namespace
 
-Tosnet::Tosnet(const TosnetConfiguration& configuration) : configuration_(configuration) {}
+Tosnet::Tosnet(const TosnetConfiguration& configuration, EventSink sink)
+    : configuration_(configuration), sink_(std::move(sink)) {}
+
+Clock Tosnet::next_clock() const noexcept {
+  return configuration_.event_group ? (cycles_ + 1) * configuration_.cycle_clocks : never;
+}
 
 void Tosnet::advance(Clock now) {
   const Clock cycles = now / configuration_.cycle_clocks;
@@ -48,6 +54,10 @@ void Tosnet::advance(Clock now) {
   stale_ = held_;
   if (!held_) {
     show();
+  }
+  if (configuration_.event_group && sink_) {  // several cycles at once are one edge, as in the gateware
+    sink_(*configuration_.event_group, true, now);
+    sink_(*configuration_.event_group, false, now);
   }
 }
 

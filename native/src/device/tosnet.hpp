@@ -57,7 +57,8 @@ class TosnetChannel {
 
 class Tosnet final : public Bus {
  public:
-  explicit Tosnet(const TosnetConfiguration& configuration);
+  // `sink` gets the event of each exchange, if the configuration has a group for it.
+  explicit Tosnet(const TosnetConfiguration& configuration, EventSink sink = {});
 
   BusReply read(std::uint32_t address, Clock now) override;
   BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override;
@@ -65,6 +66,8 @@ class Tosnet final : public Bus {
   // The nodes' side: `get` reads the committed IN words, `set` writes the OUT words of nodes other than the PC's.
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+  [[nodiscard]] Clock next_clock() const noexcept override;
+  void advance(Clock now) override;
 
   // The network breaks (no strobes, ONLINE = 0, commits stay pending), or comes back (reset counter + 1).
   void set_online(bool online, Clock now);
@@ -79,13 +82,13 @@ class Tosnet final : public Bus {
  private:
   using Bank = std::array<std::uint32_t, protocol::tosnet::memory_words>;
 
-  void advance(Clock now);
   void show();
   [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
   [[nodiscard]] std::uint32_t status() const noexcept;
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
 
   TosnetConfiguration configuration_;
+  EventSink sink_;
   std::array<Bank, 2> banks_{};  // written by the PC; banks_[write_bank_] is the hidden one
   Bank outputs_{};               // the OUT words of the nodes
   Bank seen_{};                  // the same words as the PC reads them

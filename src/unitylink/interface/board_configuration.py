@@ -21,7 +21,7 @@ from unitylink.protocol import (
 from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.spec.expand.publishing import split
 from unitylink.spec.isochrony.ring import ring_budget
-from unitylink.spec.model import LINES, Instance, Link, Spec
+from unitylink.spec.model import CYCLE, LINES, Instance, Link, Spec
 from unitylink.spec.ring import ring_at
 
 # What a design has beyond the needs of its spec: groups to which a program or a person subscribes at run
@@ -43,7 +43,8 @@ class TosnetConfiguration:
     """A TosNet bus slave at word address `base` and the network behind it.
 
     `master_id` is the PC's own node, `cycle_s` the network cycle. After `max_skipped_writes` cycles without a
-    commit, the network halts. With 0 it never does.
+    commit, the network halts. With 0 it never does. Each cycle drives the event input of `event_group`, one
+    of `edge_events`.
     """
 
     base: int = 0
@@ -53,6 +54,7 @@ class TosnetConfiguration:
     max_skipped_writes: int = 0
     nodes: tuple[TosnetNode, ...] = ()
     clock_hz: int = CLOCK_HZ_DEFAULT
+    event_group: int | None = None
 
     @property
     def cycle_clocks(self) -> int:
@@ -393,4 +395,5 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
         master_registers=ring.own.registers,
         cycle_s=ring_budget(ring).cycle_s,
         nodes=tuple(TosnetNode(node.id, node.registers) for node in ring.nodes if node.id),
+        event_group=next((g.number for d in spec.devices for g in d.groups if g.event == CYCLE), None),
     )

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .callbacks import CallbackThread
 
 MOST_STEP_S = 1e6
-LOOK_NS = 50_000  # about a round trip on USB
+LOOK_NS = 100_000  # about a round trip on USB
 
 
 class LinkTime:

@@ -32,7 +32,10 @@ def wholes(what: str, values: Iterable[object]) -> list[int]:
         given = list(values)
     except TypeError:
         raise ValueRangeError(f"{what}: {shown(values)} is not a sequence of whole numbers") from None
-    return [whole(what, value) for value in given]
+    try:
+        return list(map(operator.index, given))  # type: ignore[arg-type]
+    except TypeError:  # which one is it?
+        return [whole(what, value) for value in given]
 
 
 def positive(what: str, value: object) -> float:

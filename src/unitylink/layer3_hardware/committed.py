@@ -56,6 +56,7 @@ class CommittedProxy(HardwareProxy):
         self._batch_thread: int | None = None
         self._settled = False  # true if no commit of ours can be pending
         self._generation = self._generation_now()
+        self._in_frames = self.control is self.link and link.protocol == "framed"
 
     @property
     def outputs(self) -> dict[int, int | None]:
@@ -118,7 +119,8 @@ class CommittedProxy(HardwareProxy):
         if len(where) != len(words):
             raise ValueRangeError(f"{self.kind}: {len(where)} addresses and {len(words)} values")
         for address in where:
-            self._check_output(address)
+            if address not in self._outputs:  # those have been checked
+                self._check_output(address)
         self._check_words(words)
         with self._lock:
             if self._staged is not None:
@@ -174,16 +176,18 @@ class CommittedProxy(HardwareProxy):
         self._read_back(changes, timeout_s)
         words = {address: word for address, word in self._outputs.items() if word is not None} | changes
         self._settled = False  # whatever happens from here on, check before the next burst
-        self.link.write_many(
-            [self.base + address for address in words],
-            list(words.values()),
-            checked=checked,
-            repeat=True,
-            timeout_s=timeout_s,
-        )
         commit = self.base + self.commit_address
+        addresses = [self.base + address for address in words]
+        status = None
         try:
-            self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
+            if self._in_frames:  # in one message, and each message is executed once
+                writes = [*zip(addresses, words.values(), strict=True), (commit, 1)]
+                status = int(self.link.exchange((commit,), writes, timeout_s=timeout_s)[0])
+            else:
+                self.link.write_many(
+                    addresses, list(words.values()), checked=checked, repeat=True, timeout_s=timeout_s
+                )
+                self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
         except OutcomeUnknown as error:
             # the commit may have happened, and a later return to the old values would be a jump
             self._outputs.update(changes)
@@ -196,7 +200,7 @@ class CommittedProxy(HardwareProxy):
                 elapsed_s=error.elapsed_s,
             ) from error
         self._outputs.update(changes)
-        self._settle(deadline, committed=True)
+        self._settle(deadline, committed=True, status=status)
         self._settled = True
 
     def _generation_now(self) -> tuple[int, int]:
@@ -219,5 +223,8 @@ class CommittedProxy(HardwareProxy):
             )
             self._outputs.update(zip(unknown, (int(word) for word in words), strict=True))
 
-    def _settle(self, deadline: float, *, committed: bool) -> None:
-        """Wait until no commit is pending. After our own commit (`committed`), raise if it was dropped."""
+    def _settle(self, deadline: float, *, committed: bool, status: int | None = None) -> None:
+        """Wait until no commit is pending. After our own commit (`committed`), raise if it was dropped.
+
+        `status` is the status word, if it was read with the commit.
+        """

@@ -210,6 +210,8 @@ class HardwareProxy:
     def _check_words(self, values: Sequence[int]) -> None:
         """Refuse words that do not fit the bus, before any is sent."""
         bits = self.link.configuration.data_bits
+        if values and min(values) >= 0 and max(values) >> bits == 0:
+            return
         for value in values:
             if not 0 <= value < 1 << bits:
                 raise ValueRangeError(f"{self.kind}: {shown(value)} does not fit a raw word of {bits} bits")

@@ -21,6 +21,10 @@ NODES = 16
 REGISTERS_PER_NODE = 8
 WORDS_PER_REGISTER = 4
 WORD_BITS = 32
+_ONLINE = 1 << protocol.TOSNET_STATUS_ONLINE_BIT
+_HALTED = 1 << protocol.TOSNET_STATUS_SYSTEM_HALT_BIT
+_ABORTED = 1 << protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT
+_PENDING = 1 << protocol.TOSNET_STATUS_COMMIT_PENDING_BIT
 
 
 class TosNetProxy(CommittedProxy):
@@ -93,39 +97,40 @@ class TosNetProxy(CommittedProxy):
                 "commits and the asynchronous channel have methods of their own"
             )
 
-    def _settle(self, deadline: float, *, committed: bool) -> None:
-        started = self.control.now_s()
-        polls = 0
+    def _settle(self, deadline: float, *, committed: bool, status: int | None = None) -> None:
+        started, polls = self.control.now_s(), 0
         while True:
-            status = self.status()
-            polls += 1
-            if not status.online or status.system_halt:
-                what = "is halted until its reset" if status.system_halt else "is offline"
-                pending = committed and status.commit_pending
-                effect = "this write takes effect when it is back" if pending else "outputs take no effect"
-                raise NetworkError(
-                    f"the TosNet network {what} ({status}); {effect}",
-                    address=self.base + protocol.TOSNET_STATUS,
-                )
-            if not status.commit_pending:
+            word = self.control.read(self.base + protocol.TOSNET_STATUS) if status is None else status
+            polls, status = polls + 1, None
+            if word & (_ONLINE | _HALTED) != _ONLINE:
+                raise self._down(TosNetStatus.decode(word), committed)
+            if not word & _PENDING:
                 break
             now = self.control.now_s()
             if now >= deadline:
                 what = "this write takes effect when it does" if committed else "nothing was written"
                 raise LinkTimeout(
-                    f"a commit is still pending after {(now - started) * 1e3:.0f} ms ({status}); "
-                    f"the network does not cycle; {what}",
+                    f"a commit is still pending after {(now - started) * 1e3:.0f} ms "
+                    f"({TosNetStatus.decode(word)}); the network does not cycle; {what}",
                     address=self.base + protocol.TOSNET_STATUS,
                     attempts=polls,
                     elapsed_s=now - started,
                 )
             self.control.pause_between_looks()
-        if committed and status.commit_aborted:
+        if committed and word & _ABORTED:
             raise NetworkError(
                 "the commit was aborted: another program wrote to the network's memory while it was pending; "
                 "nothing of this write took effect. Write again (or commit())",
                 address=self.base + protocol.TOSNET_STATUS,
             )
+
+    def _down(self, status: TosNetStatus, committed: bool) -> NetworkError:
+        what = "is halted until its reset" if status.system_halt else "is offline"
+        pending = committed and status.commit_pending
+        effect = "this write takes effect when it is back" if pending else "outputs take no effect"
+        return NetworkError(
+            f"the TosNet network {what} ({status}); {effect}", address=self.base + protocol.TOSNET_STATUS
+        )
 
 
 class TosNetNode:

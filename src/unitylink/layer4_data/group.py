@@ -26,7 +26,7 @@ from .at_once import at_once
 from .cycle import Cycle
 from .html import values_html
 from .listeners import Listeners
-from .portions import portions
+from .portions import Reading, any_checked, burst_of, portions
 from .publication import join
 from .published import PublishedValue
 from .read_value import ReadValue
@@ -80,6 +80,7 @@ class ValueGroup:
         for link in self._by_link:
             number = sum(other.url == link.url for other in self._labels) + 1
             self._labels[link] = link.url if number == 1 else f"{link.url}#{number}"
+        self._readings: dict[bool, dict[Link, Reading]] = {}
         self._sets = Sets(self.reads, self._labels)
 
     def __iter__(self) -> Iterator[Value[Any]]:
@@ -121,53 +122,54 @@ class ValueGroup:
 
         Raises DeviceMismatch if one atomic read cannot hold them, unless `consistent` is False.
         """
-        self._check_snapshot(consistent)
+        readings = self._reading(consistent)
 
-        def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
+        def fetch(link: Link) -> tuple[float, list[int]]:
             started = link.now_s()
             words: list[int] = []
-            for addresses, atomic in portions(list(values.values()), consistent):
+            parts, checked, repeat = readings[link]
+            for addresses, atomic in parts:
                 read = link.read_many(
-                    addresses,
-                    atomic=atomic,
-                    checked=_any_checked(values.values()),
-                    repeat=_all_repeatable(values.values()),
-                    timeout_s=timeout_s,
+                    addresses, atomic=atomic, checked=checked, repeat=repeat, timeout_s=timeout_s
                 )
                 words += read.tolist()
             return (started + link.now_s()) / 2, words
 
         try:
-            fetched = at_once(
-                self._by_link, [partial(fetch, link, values) for link, values in self._by_link.items()]
-            )
+            fetched = at_once(self._by_link, [partial(fetch, link) for link in self._by_link])
         except LinkError as error:
             raise self._named(error)  # noqa: B904  the same error, now with its name
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
 
     async def snapshot_async(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
         """Read all READs with one atomic read for each link, all links at the same time."""
-        self._check_snapshot(consistent)
+        readings = self._reading(consistent)
 
-        async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
+        async def fetch(link: Link) -> tuple[float, list[int]]:
             started = link.now_s()
             words: list[int] = []
-            for addresses, atomic in portions(list(values.values()), consistent):
+            parts, checked, repeat = readings[link]
+            for addresses, atomic in parts:
                 read = await link.read_many_async(
-                    addresses,
-                    atomic=atomic,
-                    checked=_any_checked(values.values()),
-                    repeat=_all_repeatable(values.values()),
-                    timeout_s=timeout_s,
+                    addresses, atomic=atomic, checked=checked, repeat=repeat, timeout_s=timeout_s
                 )
                 words += read.tolist()
             return (started + link.now_s()) / 2, words
 
         try:
-            fetched = await _all(fetch(link, values) for link, values in self._by_link.items())
+            fetched = await _all(fetch(link) for link in self._by_link)
         except LinkError as error:
             raise self._named(error)  # noqa: B904
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
+
+    def _reading(self, consistent: bool) -> dict[Link, Reading]:
+        """Return how the READs of each link are read, after a check that this is possible."""
+        if consistent not in self._readings:
+            self._check_snapshot(consistent)
+            self._readings[consistent] = {
+                link: Reading.of(list(values.values()), consistent) for link, values in self._by_link.items()
+            }
+        return self._readings[consistent]
 
     def _check_snapshot(self, consistent: bool) -> None:
         if not self.reads:
@@ -184,16 +186,17 @@ class ValueGroup:
 
     def taken(self, fetched: Mapping[Link, tuple[float, list[int]]]) -> Snapshot:
         """Make a snapshot from the time of the read on each link, and the words of its READs in order."""
-        numbers: dict[str, Any] = {}
+        numbers: dict[str, Any] = dict.fromkeys(self.reads)  # in their order
         times_s: dict[str, float] = {}
         sampled_s: dict[str, float] = {}
         for link, values in self._by_link.items():
             time_s, words = fetched[link]
             times_s[self._labels[link]] = time_s
             taken = join(list(values.values()), words)
-            for key, value, raw in zip(values, values.values(), taken, strict=True):
-                numbers[key], sampled_s[key] = value.take(raw), time_s
-        return Snapshot({key: numbers[key] for key in self.reads}, times_s, sampled_s)
+            for (key, value), raw in zip(values.items(), taken, strict=True):
+                numbers[key] = value.take(raw)
+            sampled_s.update(dict.fromkeys(values, time_s))
+        return Snapshot(numbers, times_s, sampled_s)
 
     # Writing
 
@@ -224,12 +227,8 @@ class ValueGroup:
         def send(proxies: list[HardwareProxy]) -> None:
             for hardware in proxies:
                 items = writes[hardware]
-                hardware.write_many(
-                    [address for value, _ in items for address in value.relative_addresses],
-                    [word for value, raw in items for word in value.codec.split(raw)],
-                    checked=_any_checked(value for value, _ in items),
-                    timeout_s=timeout_s,
-                )
+                addresses, words, checked = burst_of(items)
+                hardware.write_many(addresses, words, checked=checked, timeout_s=timeout_s)
                 for value, raw in items:
                     value.wrote(raw)
 
@@ -252,12 +251,8 @@ class ValueGroup:
 
         async def send(hardware: HardwareProxy) -> None:
             items = writes[hardware]
-            await hardware.write_many_async(
-                [address for value, _ in items for address in value.relative_addresses],
-                [word for value, raw in items for word in value.codec.split(raw)],
-                checked=_any_checked(value for value, _ in items),
-                timeout_s=timeout_s,
-            )
+            addresses, words, checked = burst_of(items)
+            await hardware.write_many_async(addresses, words, checked=checked, timeout_s=timeout_s)
             for value, raw in items:
                 value.wrote(raw)
 
@@ -400,9 +395,7 @@ class ValueGroup:
                 words = [
                     word
                     for addresses, atomic in portions(values, False)
-                    for word in link.read_many(
-                        addresses, atomic=atomic, checked=_any_checked(values)
-                    ).tolist()
+                    for word in link.read_many(addresses, atomic=atomic, checked=any_checked(values)).tolist()
                 ]
             except LinkError as error:
                 raise self._named(error)  # noqa: B904
@@ -435,10 +428,6 @@ def _keyword(key: str) -> str:
 
 def _all_repeatable(values: Iterable[ReadValue[Any]]) -> bool:
     return all(value.pollable and value.hardware.repeatable_reads for value in values)
-
-
-def _any_checked(values: Iterable[PublishedValue]) -> bool | None:
-    return True if any(value.checked for value in values) else None
 
 
 async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:

@@ -1,11 +1,44 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which words of some values are read at once."""
+"""Which words of some values are read at once, and written at once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .published import PublishedValue
+
+if TYPE_CHECKING:
+    from .write_value import WriteValue
+
+
+class Reading(NamedTuple):
+    """How some values of a link are read: the portions (addresses, atomic), and what is said with each."""
+
+    portions: list[tuple[list[int], bool]]
+    checked: bool | None
+    repeat: bool
+
+    @classmethod
+    def of(cls, values: Sequence[PublishedValue], consistent: bool) -> Reading:
+        repeat = all(value.pollable and value.hardware.repeatable_reads for value in values)
+        return cls(portions(values, consistent), any_checked(values), repeat)
+
+
+def any_checked(values: Iterable[PublishedValue]) -> bool | None:
+    return True if any(value.checked for value in values) else None
+
+
+def burst_of(items: Sequence[tuple[WriteValue[Any], int]]) -> tuple[list[int], list[int], bool | None]:
+    """Return the addresses and words of values with their raw numbers, and whether they are checked."""
+    addresses: list[int] = []
+    words: list[int] = []
+    checked = None
+    for value, raw in items:
+        addresses += value.relative_addresses
+        words += (raw,) if value.codec.words == 1 else value.codec.split(raw)
+        checked = checked or value.checked
+    return addresses, words, checked
 
 
 def portions(values: Sequence[PublishedValue], consistent: bool) -> list[tuple[list[int], bool]]:

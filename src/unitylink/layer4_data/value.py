@@ -79,6 +79,7 @@ class Value(Generic[T]):
         self.hardware = hardware
         self.address = address
         self.addresses = tuple(range(address, address + self.codec.words))
+        self.relative_addresses = [address - hardware.base for address in self.addresses]
         self.quantity = quantity
         self.checked = True if checked else None  # None stands for the link's default
         self.display = display or path
@@ -117,10 +118,6 @@ class Value(Generic[T]):
     @property
     def relative_address(self) -> int:
         return self.address - self.hardware.base
-
-    @property
-    def relative_addresses(self) -> list[int]:
-        return [address - self.hardware.base for address in self.addresses]
 
     def take(self, raw: int) -> T:
         """Make a raw number that was read or published the latest value. Return the latest value."""

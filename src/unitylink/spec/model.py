@@ -56,6 +56,9 @@ class Publish:
     group: str = ""
 
 
+CYCLE = "cycle"  # the event of a device with a ring: each of its cycles, after the words have been exchanged
+
+
 @dataclass(frozen=True)
 class RingOptions:
     """What a TOSNET says about its ring. None means the default.
@@ -283,7 +286,8 @@ class Link:
 class SubscriptionGroup:
     """Values that the gateware publishes together, as one snapshot.
 
-    `number` is that of the gateware's group and of its event line."""
+    `number` is that of the gateware's group and of its event line. `rate_hz` is also known of the cycle of a
+    ring, which has no divisor."""
 
     number: int
     name: str  # the name in the spec, or "100 Hz", "on limit", "on change"

@@ -71,6 +71,30 @@ class Ring:
         """The enabled registers of all nodes."""
         return self.own.count + sum(node.count for node in self.nodes)
 
+    @property
+    def baud_hz(self) -> int:
+        return self.options.baud_hz or protocol.TOSNET_RING_BAUD_HZ
+
+    @property
+    def cycle_bytes(self) -> int:
+        """The bytes of a cycle's packet on the line."""
+        return protocol.TOSNET_RING_REST_BYTES + protocol.TOSNET_RING_REGISTER_BYTES * self.registers
+
+    @property
+    def hop_s(self) -> float:
+        """The time that a node adds to the way of a bit."""
+        return protocol.TOSNET_RING_HOP_BITS / self.baud_hz
+
+    @property
+    def shortest_s(self) -> float:
+        """The shortest cycle."""
+        return self.cycle_bytes * protocol.TOSNET_RING_BYTE_BITS / self.baud_hz + self.hop_s * self.size
+
+    @property
+    def cycle_s(self) -> float:
+        """The cycle that the spec asks for."""
+        return 1 / self.options.cycle_hz if self.options.cycle_hz else self.shortest_s
+
 
 def rings_of(root: Instance, comm: str | None) -> list[Ring]:
     """Return the rings that `root` reaches through `comm`, by their base addresses."""

@@ -122,6 +122,29 @@ def test_status_and_nodes() -> None:
             proxy.read(0x700 + 9)
 
 
+def test_each_cycle_publishes_once_while_the_network_is_there() -> None:
+    tosnet = TosnetConfiguration(nodes=(TosnetNode(2),), cycle_s=200e-6, event_group=1)
+    configuration = BoardConfiguration(address_bits=11, edge_events=(1,), tosnet=tosnet)
+    with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
+        proxy = TosNetProxy(link)
+        with link.subscribe([0x401, 0x80], on_event=True, group=1) as cycles:
+            counts: list[int] = []
+            while len(counts) < 40:
+                assert cycles.wait(5.0)
+                counts += cycles.drain()[1][:, 0].tolist()
+            assert counts == list(range(counts[0], counts[0] + len(counts)))
+            board.set_online(False)
+            last = proxy.counters().packets
+            while cycles.wait(0.05):
+                counts += cycles.drain()[1][:, 0].tolist()
+            assert counts[-1] == last, "no stale words are published"
+
+
+def test_the_cycle_wants_an_edge_event_group() -> None:
+    with pytest.raises(ValueRangeError, match="event_group of tosnet is 1; choose one of the board's"):
+        Board(configuration=BoardConfiguration(tosnet=TosnetConfiguration(event_group=1)))
+
+
 def test_async_channel() -> None:
     with network() as (board, _, proxy):
         proxy.async_send(2, b"hello, node")

@@ -384,6 +384,21 @@ def test_a_plant_may_end_its_own_board() -> None:
     client.close()
 
 
+def test_registers_are_read_and_set_many_at_once() -> None:
+    with Board() as board:
+        registers = board.registers
+        registers.write_many([3, 1, 2], [30, -1, 0xFFFFFFFF])
+        assert registers.read_many([1, 2, 3]) == [0xFFFFFFFF, 0xFFFFFFFF, 30]
+        assert registers.read_many([]) == []
+        with pytest.raises(ValueRangeError, match="0x0005 has 32 bits; 4294967296 does not fit"):
+            registers.write_many([4, 5], [1, 1 << 32])
+        with pytest.raises(ValueRangeError, match="0x0100 cannot be read"):
+            registers.read_many([1, 0x100, 2])
+        with pytest.raises(ValueRangeError, match="0x0100 cannot be set"):
+            registers.write_many([1, 0x100], [7, 8])
+        assert registers[1] == 7
+
+
 def test_registers_refuse_what_does_not_fit() -> None:
     with Board() as board:
         for value in (1 << 32, -(1 << 31) - 1):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +79,12 @@ class Words(dict[int, int]):
     def signed(self, address: int) -> int:
         value = self[address] & 0xFFFFFFFF
         return value - (1 << 32) if value >> 31 else value
+
+    def read_many(self, addresses: Sequence[int]) -> list[int]:
+        return [self[address] & 0xFFFFFFFF for address in addresses]
+
+    def write_many(self, addresses: Sequence[int], words: Sequence[int]) -> None:
+        self.update(zip(addresses, words, strict=True))
 
 
 def test_scara_moves_all_joints_to_their_set_points_and_clamps_at_the_stops(scara: Spec) -> None:

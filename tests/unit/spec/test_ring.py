@@ -160,3 +160,29 @@ def test_the_age_of_a_published_value() -> None:
     assert publish.sensor.typical_s == pytest.approx(1.5e-3 + 5e-3 + group.message_bytes * 10 / 3e6)
     (unknown,) = ring_budgets(spec.roots[0], device, budget(device, timed=False))
     assert unknown.publishes[0].sensor.bound_s is None
+
+
+def test_a_publish_of_the_cycle_has_its_rate_and_waits_for_nothing() -> None:
+    spec = clean("""link net (BAUD=3 MHz);
+    public net(u) { TOSNET(COMM=u, CYCLE_RATE=500 Hz); j[2]: joint() @ (0x80+64*i); }
+    joint(): @ (a) { @a: READ(PUBLISH(on cycle)); }""")
+    (device,) = spec.devices
+    (group,) = device.groups
+    assert (group.name, group.trigger, group.divisor, group.rate_hz) == ("on cycle", "event", 0, 500.0)
+    line = budget(device, read_many=8)
+    assert line.bytes_per_s == line.groups[0].message_bytes * 500
+    assert line.tick_bytes == 0  # it is not due at a base tick
+    (one,) = ring_budgets(spec.roots[0], device, line)
+    assert line.groups[0].latency_s is not None
+    assert one.publishes[0].sensor.bound_s == pytest.approx(4e-3 + line.groups[0].latency_s)
+
+
+def test_a_line_that_cannot_carry_every_cycle() -> None:
+    text = "link net (BAUD=1 MHz); public net(u) { TOSNET(COMM=u); @a = 0x80: READ(PUBLISH(on cycle)); }"
+    (wrong,) = compile_text(text, "net.ul").diagnostics
+    assert (wrong.code, "19230.8 Hz" in wrong.hint) == ("UL104", True)
+
+
+def test_without_a_ring_the_cycle_is_an_event_from_outside() -> None:
+    spec = clean("public a() { @x = 0x1: READ(PUBLISH(on cycle)); }")
+    assert spec.devices[0].groups[0].rate_hz is None

@@ -79,6 +79,7 @@ class Tosnet:
     write_addresses: Vhdl
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
+    lines: tuple[int, ...]  # the event lines that are the network cycle
 
 
 @dataclass(frozen=True)

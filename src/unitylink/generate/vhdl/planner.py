@@ -23,9 +23,10 @@ from .functions import from_strobes, from_words, to_words
 from .link_slaves import LinkSlave, link_slaves
 from .names import KEYWORDS, Names, identifier
 from .physical import physical_layer
-from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
+from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Wire
 from .records import Tree, records
 from .settings import safe_values_of, settings_of
+from .tosnet import planned_tosnet
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
 from .words import PlacedComponent, components_of, named_elements, tosnet_range, wires_of, word_map
 
@@ -107,6 +108,8 @@ class _Planner:
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
         )
+        tosnet = planned_tosnet(self.configuration, self.words)
+        inside = _inside(components) | set(tosnet.lines if tosnet else ())
         baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ
         return Plan(
             name=identifier(self.spec.name),
@@ -126,11 +129,11 @@ class _Planner:
                 *(_range(n, one.base, one.words) for n, one in slaves),
             ),
             registers=tuple(self._registers(number, block) for number, block in enumerate(plain, first)),
-            tosnet=self._tosnet(),
+            tosnet=tosnet,
             components=components,
             ports=tuple(self.ports),
-            lines=self._event_lines(_inside(components)),
-            event_sources=self._event_sources(_inside(components)),
+            lines=self._event_lines(inside),
+            event_sources=self._event_sources(inside),
             changes=self._changes(),
             **self._records(),
         )
@@ -342,30 +345,6 @@ class _Planner:
         inside = self.in_tosnet
         return (Range(0, _hex(inside.start), len(inside), "TosNet"),) if inside else ()
 
-    def _tosnet(self) -> Tosnet | None:
-        tosnet = self.configuration.tosnet
-        if tosnet is None:
-            return None
-        reads = self._inside_tosnet(self.words.read)
-        writes = self._inside_tosnet(self.words.write)
-        nodes = [
-            Vhdl.of('(id => {}, registers => x"{:02X}")', node.id, node.registers) for node in tosnet.nodes
-        ]
-        return Tosnet(
-            number=0,
-            configuration=tosnet,
-            master_registers=Vhdl.of('x"{:02X}"', tosnet.master_registers),
-            nodes=_aggregate(nodes, Vhdl("tosnet_no_nodes_c")),
-            cycle_hz=round(1 / tosnet.cycle_s),
-            read_addresses=_aggregate(_offsets(reads, tosnet.base), Vhdl("tosnet_no_addresses_c")),
-            write_addresses=_aggregate(_offsets(writes, tosnet.base), Vhdl("tosnet_no_addresses_c")),
-            reads=tuple(Wire(n, self.words.read[address], None) for n, address in enumerate(reads)),
-            writes=tuple(Wire(n, None, self.words.write[address]) for n, address in enumerate(writes)),
-        )
-
-    def _inside_tosnet(self, indices: Mapping[int, int]) -> list[int]:
-        return [address for address in indices if address in self.in_tosnet]
-
 
 @cache
 def _reserved_ports() -> frozenset[str]:
@@ -425,17 +404,6 @@ def _hex(address: int) -> Vhdl:
 
 def _span(base: int, words: int) -> str:
     return f"0x{base:03X}" if words == 1 else f"0x{base:03X} to 0x{base + words - 1:03X}"
-
-
-def _offsets(addresses: Iterable[int], base: int) -> list[Vhdl]:
-    return [Vhdl.of("16#{:03X}#", address - base) for address in addresses]
-
-
-def _aggregate(values: list[Vhdl], none: Vhdl) -> Vhdl:
-    """Return an aggregate. If it has many values, each line has six."""
-    named = [Vhdl.of("{} => {}", number, value) for number, value in enumerate(values)]
-    rows = [Vhdl(", ").join(named[start : start + 6]) for start in range(0, len(named), 6)]
-    return Vhdl.of("({})", Vhdl(",\n            ").join(rows)) if rows else none
 
 
 def _facts(element: Element) -> str:

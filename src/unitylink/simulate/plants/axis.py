@@ -42,32 +42,36 @@ class Axis:
         """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`. `inertia` is relative to
         nominal."""
         self._step_profile(set_point, speed_limit, dt_s)
-        joint = self.joint
-        force_limit = _FORCE_MARGIN * joint.acceleration_limit
-        force = _SERVO_RAD_S**2 * (self._profile_position - self.position) + 2 * _SERVO_RAD_S * (
-            self._profile_speed - self.speed
+        joint, position, speed = self.joint, self.position, self.speed
+        most = _FORCE_MARGIN * joint.acceleration_limit
+        force = _SERVO_RAD_S**2 * (self._profile_position - position) + 2 * _SERVO_RAD_S * (
+            self._profile_speed - speed
         )
-        self.speed += max(-force_limit, min(force_limit, force)) / inertia * dt_s
-        self.position += self.speed * dt_s
-        if not joint.low <= self.position <= joint.high:  # it is against a mechanical stop
-            self.position = max(joint.low, min(joint.high, self.position))
-            self.speed = 0.0
+        speed += _within(-most, force, most) / inertia * dt_s
+        position += speed * dt_s
+        if not joint.low <= position <= joint.high:  # it is against a mechanical stop
+            position, speed = _within(joint.low, position, joint.high), 0.0
+        self.position, self.speed = position, speed
 
     def _step_profile(self, set_point: float, speed_limit: float, dt_s: float) -> None:
-        joint = self.joint
-        target = max(joint.low, min(joint.high, set_point))
+        joint, speed = self.joint, self._profile_speed
+        target = _within(joint.low, set_point, joint.high)
         error = target - self._profile_position
-        fastest = min(speed_limit, joint.speed_limit)
+        fastest = speed_limit if speed_limit < joint.speed_limit else joint.speed_limit
         step_up = joint.acceleration_limit * dt_s
         # The highest speed from which the joint can still stop at the target, in whole steps.
         braking = math.sqrt(step_up * step_up / 4 + 2 * joint.acceleration_limit * abs(error)) - step_up / 2
-        wanted = math.copysign(min(fastest, braking), error)
-        if (
-            fastest > 0
-            and abs(error) <= abs(wanted) * dt_s + 1e-9
-            and abs(self._profile_speed) <= 2 * step_up
-        ):
+        wanted = math.copysign(fastest if fastest < braking else braking, error)
+        if fastest > 0 and abs(error) <= abs(wanted) * dt_s + 1e-9 and abs(speed) <= 2 * step_up:
             self._profile_position, self._profile_speed = target, 0.0
             return
-        self._profile_speed += max(-step_up, min(step_up, wanted - self._profile_speed))
-        self._profile_position += self._profile_speed * dt_s
+        speed += _within(-step_up, wanted - speed, step_up)
+        self._profile_speed = speed
+        self._profile_position += speed * dt_s
+
+
+def _within(low: float, number: float, high: float) -> float:
+    """Return the number, or the limit that it is beyond. It is quicker than min and max."""
+    if number < low:
+        return low
+    return high if number > high else number

@@ -14,7 +14,6 @@ vertical axis):
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from unitylink.errors import UnityLinkError
 from unitylink.spec.model import Instance, Spec
@@ -32,16 +31,6 @@ JOINTS = (
 )
 
 
-@dataclass(frozen=True)
-class _Words:
-    """Addresses of one joint's registers."""
-
-    cpos: int
-    spd: int
-    pos_sp: int
-    spd_sp: int
-
-
 class ScaraPlant:
     """Four joints behind the first four instances of the spec with cpos, spd, pos_sp and spd_sp.
 
@@ -52,17 +41,22 @@ class ScaraPlant:
 
     def __init__(self) -> None:
         self.axes = tuple(Axis(joint) for joint in JOINTS)
-        self._words: list[_Words] = []
+        self._commanded: list[int] = []  # addresses: of each joint its pos_sp and spd_sp
+        self._measured: list[int] = []  # and its cpos and spd
         self._registers: Registers | None = None
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the joints' registers. Raise UnityLinkError if the spec does not have four joints."""
-        self._words = [words for root in spec.roots for words in _joints(root)] if spec else []
-        if len(self._words) < len(JOINTS):
+        joints = [words for root in spec.roots for words in _joints(root)] if spec else []
+        if len(joints) < len(JOINTS):
             raise UnityLinkError(
-                f"plant scara: the spec has {len(self._words)} of the {len(JOINTS)} joints it needs "
+                f"plant scara: the spec has {len(joints)} of the {len(JOINTS)} joints it needs "
                 "(instances with cpos, spd, pos_sp and spd_sp); choose another plant, such as ramp"
             )
+        joints = joints[: len(JOINTS)]
+        self._commanded = [words[name] for words in joints for name in ("pos_sp", "spd_sp")]
+        self._measured = [words[name] for words in joints for name in ("cpos", "spd")]
+        self._sign = 1 << registers.data_bits - 1
         self._registers = registers
 
     def step(self, time_s: float) -> None:
@@ -71,22 +65,25 @@ class ScaraPlant:
             raise UnityLinkError("plant scara: step() before attach()")
         # The further the forearm is stretched out, the heavier the arm is to turn.
         stretched = 0.75 + 0.25 * math.cos(math.radians(self.axes[1].position))
-        for index, (axis, words) in enumerate(zip(self.axes, self._words, strict=False)):
+        words = registers.read_many(self._commanded)
+        sign = self._sign
+        shown: list[int] = []
+        for index, axis in enumerate(self.axes):
             axis.step(
-                registers.signed(words.pos_sp) / COUNTS_PER_UNIT,
-                registers[words.spd_sp] / COUNTS_PER_UNIT,
+                ((words[2 * index] ^ sign) - sign) / COUNTS_PER_UNIT,
+                words[2 * index + 1] / COUNTS_PER_UNIT,
                 axis.joint.inertia * (stretched if index == 0 else 1.0),
                 self.period_s,
             )
-            registers[words.cpos] = round(axis.position * COUNTS_PER_UNIT)
-            registers[words.spd] = round(abs(axis.speed) * COUNTS_PER_UNIT)
+            shown += (round(axis.position * COUNTS_PER_UNIT), round(abs(axis.speed) * COUNTS_PER_UNIT))
+        registers.write_many(self._measured, shown)
 
 
-def _joints(instance: Instance) -> list[_Words]:
+def _joints(instance: Instance) -> list[dict[str, int]]:
     found = {element.name: element.address for element in instance.elements}
     words = []
     if found.keys() >= {"cpos", "spd", "pos_sp", "spd_sp"}:
-        words.append(_Words(found["cpos"], found["spd"], found["pos_sp"], found["spd_sp"]))
+        words.append(found)
     for inner in instance.instances:
         words += _joints(inner)
     return words

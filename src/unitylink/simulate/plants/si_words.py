@@ -45,7 +45,7 @@ class SiWords:
 
     def read(self) -> Numbers:
         """Return the numbers."""
-        words = np.array([self._registers[address] for address in self._addresses], dtype=np.int64)
+        words = np.array(self._registers.read_many(self._addresses), dtype=np.int64)
         raw = ((words & self._mask) ^ self._sign) - self._sign
         numbers: Numbers = raw * self._scale + self._offset
         if self._floats.any():
@@ -61,5 +61,4 @@ class SiWords:
         if self._floats.any():
             floats = values.astype(np.float32).view(np.uint32).astype(np.int64)
             raw = np.where(self._floats, floats, raw)
-        for address, word in zip(self._addresses, raw.tolist(), strict=True):
-            self._registers[address] = word
+        self._registers.write_many(self._addresses, raw.tolist())

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
-from ..model import Device, Element, Instance, Link, Publish, SubscriptionGroup
+from ..model import CYCLE, Device, Element, Instance, Link, Publish, SubscriptionGroup
+from ..ring import rings_of
 
 _Key = tuple[str, int, str, str]  # (trigger, divisor, event, name)
 _Value = TypeVar("_Value")
@@ -32,10 +33,28 @@ def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Dev
             publish = element.publish
             if publish is not None and publish.mode == 1:
                 table.setdefault(key_of(publish), []).append(element)
+    cycles_hz = _cycles_hz(roots)
     return tuple(
-        Device(root, comm, link, tuple(_group(number, key, table[key]) for number, key in enumerate(table)))
+        Device(
+            root,
+            comm,
+            link,
+            tuple(
+                _group(number, key, table[key], cycles_hz.get((root, comm)))
+                for number, key in enumerate(table)
+            ),
+        )
         for (root, comm), (link, table) in found.items()
     )
+
+
+def _cycles_hz(roots: tuple[Instance, ...]) -> dict[tuple[str, str | None], float]:
+    """Return how often the ring of a device cycles, for each device with one."""
+    found = {}
+    for root in roots:
+        for comm in {element.link.comm for element in root.walk() if element.link.kind == "tosnet"}:
+            found[root.name, comm] = 1 / rings_of(root, comm)[0].cycle_s
+    return found
 
 
 def split(values: Iterable[_Value], words_of: Callable[[_Value], int], most: int) -> list[tuple[_Value, ...]]:
@@ -63,10 +82,11 @@ def key_of(publish: Publish) -> _Key:
     return publish.trigger, publish.divisor, publish.event, publish.group
 
 
-def _group(number: int, key: _Key, elements: list[Element]) -> SubscriptionGroup:
+def _group(number: int, key: _Key, elements: list[Element], cycle_hz: float | None) -> SubscriptionGroup:
     trigger, divisor, event, name = key
     first = elements[0].publish
     assert first is not None  # its publish put it into the table
     if not name:
         name = f"{first.rate_hz:g} Hz" if trigger == "rate" else f"on {event or trigger}"
-    return SubscriptionGroup(number, name, trigger, divisor, first.rate_hz, event, tuple(elements))
+    rate_hz = cycle_hz if (trigger, event) == ("event", CYCLE) else first.rate_hz
+    return SubscriptionGroup(number, name, trigger, divisor, rate_hz, event, tuple(elements))

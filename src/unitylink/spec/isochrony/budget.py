@@ -41,7 +41,8 @@ def publish_bytes(words: int, data_bits: int, checked: bool = False, protocol: s
 
 @dataclass(frozen=True)
 class GroupBudget:
-    """One subscription group. `rate_hz` is None if an event triggers it, because then the rate is unknown.
+    """One subscription group. `rate_hz` is None if an event triggers it whose rate is unknown. The cycle of a
+    ring has a rate, but no divisor.
 
     `sampled_s` limits the time from the tick (or event) to the read of the first word in the gateware.
     `latency_s` limits the time to the last byte on the line. It is None without a baud rate, or if the next
@@ -50,6 +51,7 @@ class GroupBudget:
 
     number: int
     name: str
+    divisor: int
     rate_hz: float | None
     words: int
     message_bytes: int
@@ -93,7 +95,7 @@ class DeviceBudget:
 
     @property
     def tick_bytes(self) -> int:
-        return sum(group.message_bytes for group in self.groups if group.rate_hz)
+        return sum(group.message_bytes for group in self.groups if group.divisor)
 
     @property
     def bytes_per_s(self) -> float:
@@ -145,7 +147,8 @@ def budget(
         GroupBudget(
             number=group.number,
             name=group.name,
-            rate_hz=link.base_hz / group.divisor if group.divisor else None,
+            divisor=group.divisor,
+            rate_hz=link.base_hz / group.divisor if group.divisor else group.rate_hz,
             words=len(group.addresses),
             message_bytes=cost,
             paths=tuple(element.path for element in group.elements),
@@ -155,7 +158,7 @@ def budget(
         for group, cost, one in zip(device.groups, costs, late, strict=True)
     )
     bytes_per_s = sum(group.bytes_per_s for group in groups)
-    together = sum(group.message_bytes for group in groups if group.rate_hz)
+    together = sum(group.message_bytes for group in groups if group.divisor)
     rates = sorted({*USUAL_BAUD_HZ, *([baud_hz] if baud_hz else [])})
     bauds = tuple(
         BaudBudget(baud, bytes_per_s * BITS_PER_BYTE / baud, _highest_hz(together, link.base_hz, baud))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from unitylink import protocol as constants
 
-from ..model import Device
+from ..model import Device, SubscriptionGroup
 from . import isochrony
 from .framed import PUBLISH_HEAD
 
@@ -68,6 +68,13 @@ def publishes_of(words: int, data_bits: int, protocol: str) -> list[int]:
     return [min(most, words - start) for start in range(0, words, max(1, most))]
 
 
+def period_s(group: SubscriptionGroup, base_hz: int) -> float:
+    """Return the time between two publishes. It is infinite for an event whose rate is unknown."""
+    if group.divisor:
+        return group.divisor / base_hz
+    return 1 / group.rate_hz if group.rate_hz else math.inf
+
+
 def latencies(
     device: Device,
     message_bytes: Sequence[int],
@@ -87,13 +94,14 @@ def latencies(
     """
     groups, base_hz = device.groups, device.link.base_hz
     never = [Latency(None, None)] * len(groups)
-    rated = [cost / group.divisor for group, cost in zip(groups, message_bytes, strict=True) if group.divisor]
-    if sum(rated) * base_hz * BITS_PER_BYTE > baud_hz:
+    periods = [period_s(group, base_hz) for group in groups]
+    rated = sum(cost / period for period, cost in zip(periods, message_bytes, strict=True))
+    if rated * BITS_PER_BYTE > baud_hz:
         return never
     gateware = _gateware(device, baud_hz, protocol, clock_hz, engine or device.link.engine or "fast")
     kinds = [
-        (group.divisor / base_hz if group.divisor else math.inf, len(group.addresses), cost)
-        for group, cost in zip(groups, message_bytes, strict=True)
+        (period, len(group.addresses), cost)
+        for period, group, cost in zip(periods, groups, message_bytes, strict=True)
     ]
     there = Counter(kinds)
     known = {kind: _latency(gateware, kind, there - Counter([kind]), baud_hz, read_many) for kind in there}

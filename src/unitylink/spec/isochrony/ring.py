@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from unitylink import protocol as constants
-
 from ..model import Device, Instance
 from ..ring import Ring, rings_of
 from .budget import DeviceBudget
@@ -64,11 +62,7 @@ def ring_budget(ring: Ring) -> RingBudget:
     >>> one.cycle_bytes, f"{one.cycle_s * 1e6:.1f} us"
     (50, '52.0 us')
     """
-    baud_hz = ring.options.baud_hz or constants.TOSNET_RING_BAUD_HZ
-    count = constants.TOSNET_RING_REST_BYTES + constants.TOSNET_RING_REGISTER_BYTES * ring.registers
-    hop_s = constants.TOSNET_RING_HOP_BITS / baud_hz
-    shortest_s = count * constants.TOSNET_RING_BYTE_BITS / baud_hz + hop_s * ring.size
-    cycle_s = 1 / ring.options.cycle_hz if ring.options.cycle_hz else shortest_s
+    cycle_s = ring.cycle_s
     # A value waits for the end of a cycle, at most a whole one. The next cycle carries it.
     way = Span(1.5 * cycle_s, 2 * cycle_s)
     return RingBudget(
@@ -76,10 +70,10 @@ def ring_budget(ring: Ring) -> RingBudget:
         own=ring.own.id,
         nodes=tuple(node.id for node in ring.nodes),
         registers=ring.registers,
-        baud_hz=baud_hz,
-        cycle_bytes=count,
-        hop_s=hop_s,
-        shortest_s=shortest_s,
+        baud_hz=ring.baud_hz,
+        cycle_bytes=ring.cycle_bytes,
+        hop_s=ring.hop_s,
+        shortest_s=ring.shortest_s,
         cycle_s=cycle_s,
         inward=way,
         outward=way,
@@ -101,7 +95,7 @@ def _with_publishes(ring: Ring, device: Device, line: DeviceBudget) -> RingBudge
         values = [e for e in group.elements if e.link.kind == "tosnet" and e.link.base == ring.base]
         if not values:
             continue
-        period_s = 1 / cost.rate_hz if cost.rate_hz else 0.0
+        period_s = group.divisor / device.link.base_hz  # an event follows at once
         sent_s = cost.message_bytes * BITS_PER_BYTE / line.baud_hz if line.baud_hz else None
         sensor = Span(
             None if sent_s is None else usual + period_s / 2 + sent_s,
