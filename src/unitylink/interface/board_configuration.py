@@ -17,6 +17,7 @@ from unitylink.protocol import (
     READ_MANY_MAX,
     SMALL_ENGINE_GROUPS_MAX,
     TOSNET_ADDRESS_BITS,
+    TOSNET_RING_BAUD_HZ,
 )
 from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.spec.expand.publishing import split
@@ -53,6 +54,8 @@ class TosnetConfiguration:
     cycle_s: float = 100e-6
     max_skipped_writes: int = 0
     nodes: tuple[TosnetNode, ...] = ()
+    ring: str = ""  # "": no line; "pins": to nodes of their own; "inside": to nodes in the same simulation
+    line_baud_hz: int = TOSNET_RING_BAUD_HZ
     clock_hz: int = CLOCK_HZ_DEFAULT
     event_group: int | None = None
 
@@ -395,5 +398,7 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
         master_registers=ring.own.registers,
         cycle_s=ring_budget(ring).cycle_s,
         nodes=tuple(TosnetNode(node.id, node.registers) for node in ring.nodes if node.id),
+        ring="pins" if ring.options.nodes == "ring" else "",
+        line_baud_hz=ring.baud_hz,
         event_group=next((g.number for d in spec.devices for g in d.groups if g.event == CYCLE), None),
     )

@@ -41,6 +41,7 @@ def _lines(instance: Instance) -> Iterator[str]:
     more = f" {link.size} {link.link}" if link.size or link.link else ""
     if link.ring != RingOptions():
         more += f" ring {link.ring.node} {link.ring.baud_hz} {link.ring.cycle_hz}"
+        more += "" if link.ring.nodes == "inside" else f" nodes {link.ring.nodes}"
     yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
     part = instance.component
     if part is not None:

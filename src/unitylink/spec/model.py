@@ -59,17 +59,22 @@ class Publish:
 CYCLE = "cycle"  # the event of a device with a ring: each of its cycles, after the words have been exchanged
 
 
+TOSNET_NODES = ("inside", "ring")  # where the other nodes of a TosNet are
+
+
 @dataclass(frozen=True)
 class RingOptions:
     """What a TOSNET says about its ring. None means the default.
 
     `node` is the PC's own node, `baud_hz` the line rate between nodes, and `cycle_hz` the rate of the network
-    cycle.
+    cycle. `nodes` is one of TOSNET_NODES: "ring" for nodes of their own behind a line, "inside" for logic in
+    the PC's FPGA that takes their place.
     """
 
     node: int | None = None
     baud_hz: int | None = None
     cycle_hz: int | None = None
+    nodes: str = "inside"
 
 
 @dataclass(frozen=True)

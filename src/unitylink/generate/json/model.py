@@ -143,6 +143,7 @@ def _binding(link: LinkBinding) -> dict[str, Any]:
             "node": link.ring.node,
             "baud_hz": link.ring.baud_hz,
             "cycle_hz": link.ring.cycle_hz,
+            "nodes": link.ring.nodes,
         }
         if link.kind == "tosnet"
         else None,

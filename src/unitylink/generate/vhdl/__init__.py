@@ -48,6 +48,7 @@ def vhdl_files(plan: SpecPlan) -> dict[str, str]:
         made = dict(
             zip(design_file_names(design.name), (_text(part, design) for part in _PARTS), strict=True)
         )
+        made |= _node_files(design)
         made |= {f"{FOLDER}/{name}": text for name, text in own_source_files(design.name, board).items()}
         if files.keys() & made.keys():
             raise BindingError(
@@ -79,6 +80,15 @@ def design_file_names(name: str) -> list[str]:
 
 def _text(part: str, design: Plan) -> str:
     return environment(_HERE).get_template(f"{part}.jinja").render(plan=design)
+
+
+def _node_files(design: Plan) -> dict[str, str]:
+    """Return the entities of the other nodes of a TosNet that has a ring."""
+    template = environment(_HERE).get_template("node.vhd.jinja")
+    nodes = design.tosnet.ring if design.tosnet else ()
+    return {
+        f"{FOLDER}/{design.name}_node_{node.id}.vhd": template.render(plan=design, node=node) for node in nodes
+    }
 
 
 def design_name(spec: Spec) -> str:

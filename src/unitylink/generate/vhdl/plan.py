@@ -67,6 +67,30 @@ class Registers:
 
 
 @dataclass(frozen=True)
+class NodePort:
+    """A value of the spec as a port of its node's entity. `offset` is its word in the node's map."""
+
+    name: str
+    offset: int
+    words: int
+    to_node: bool
+
+
+@dataclass(frozen=True)
+class RingNode:
+    """A node behind the line of a TosNet. Its reads are what the PC writes."""
+
+    number: int  # its place in the ring; the PC's own node is 0
+    id: int
+    registers: Vhdl
+    read_addresses: Vhdl
+    write_addresses: Vhdl
+    reads: tuple[Wire, ...]
+    writes: tuple[Wire, ...]
+    ports: tuple[NodePort, ...]
+
+
+@dataclass(frozen=True)
 class Tosnet:
     """A tosnet_slave. Nodes and addresses are VHDL aggregates."""
 
@@ -80,6 +104,12 @@ class Tosnet:
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
     lines: tuple[int, ...]  # the event lines that are the network cycle
+    ring: tuple[RingNode, ...]  # the other nodes, in the order of the ring
+
+    @property
+    def here(self) -> tuple[RingNode, ...]:
+        """The nodes that are in the design, too: in a simulation."""
+        return self.ring if self.configuration.ring == "inside" else ()
 
 
 @dataclass(frozen=True)

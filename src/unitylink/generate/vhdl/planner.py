@@ -108,7 +108,12 @@ class _Planner:
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
         )
-        tosnet = planned_tosnet(self.configuration, self.words)
+        tosnet = planned_tosnet(self.spec, self.configuration)
+        if tosnet is not None and tosnet.configuration.ring == "pins":
+            self.ports += [
+                Port("ring_in", "in", Vhdl("std_ulogic")),
+                Port("ring_out", "out", Vhdl("std_ulogic")),
+            ]
         inside = _inside(components) | set(tosnet.lines if tosnet else ())
         baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ
         return Plan(

@@ -60,6 +60,8 @@ def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> Wor
     for _, element in spec.walk():
         if element.link.kind not in ("memory", "tosnet"):
             continue  # the user's logic reaches these through ports of their own
+        if element.link.kind == "tosnet" and configuration.tosnet and configuration.tosnet.ring == "pins":
+            continue  # the nodes behind the line have these
         for address in element.addresses:
             if address not in components:
                 gives, takes = _directions(element, address, configuration)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Union
 
@@ -52,6 +52,9 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     A physical layer of `BEHIND` is put in front of it, with a model of the other end of its wires. Other
     layers are left out. Then the byte streams are those of the design itself.
     """
+    if configuration.tosnet is not None and configuration.tosnet.ring:
+        # Nobody is at the pins of the line here. So all nodes of the ring are in the simulation.
+        configuration = replace(configuration, tosnet=replace(configuration.tosnet, ring="inside"))
     plan = SpecPlan(spec, configuration)
     (design,) = plan.part(plan_designs)
     top = f"{design.name}_design"

@@ -11,6 +11,8 @@ import re
 from typing import Union
 
 _ASSIGN = re.compile(r"^  assign (\w+) = (.+?);(.*)$", re.MULTILINE)
+# What GHDL prints for a signal of a generate statement that an instance drives.
+_ITSELF = re.compile(r"^  assign (\w+) = \1;.*\n", re.MULTILINE)
 _CONSTANT = re.compile(r"^  localparam \[(\d+):0\] (\w+) = (.+?);", re.MULTILINE)
 _SAME = re.compile(r"^  always @\*\n    (\w+) = (\w+); // \(isignal\)$", re.MULTILINE)
 _REGISTER = re.compile(r"^  always @\((posedge \w+)\)\n    (\w+) <= (\w+);", re.MULTILINE)
@@ -42,7 +44,7 @@ class _Module:
     """A module as GHDL prints it. Each wire has a name, and a definition with one operation."""
 
     def __init__(self, text: str) -> None:
-        self._text = text
+        self._text = text = _ITSELF.sub("", text)
         self._width = {name: int(high or 0) + 1 for high, name in _WIDTH.findall(text)}
         self._is: dict[str, str] = {name: definition for name, definition, _ in _ASSIGN.findall(text)}
         self._is |= dict(_SAME.findall(text))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ..meaning.evaluate import Evaluator, RunTime, Value
 from ..meaning.scope import ADDRESS_MAX, Scope
-from ..model import LinkBinding, RingOptions
+from ..model import TOSNET_NODES, LinkBinding, RingOptions
 from ..text.syntax import Number, Property
 from ..units import UNITS
 
@@ -60,6 +60,7 @@ def bind_link(
         ring = RingOptions(
             None if node_id is None else _number(node_id, (0, _NODE_MAX), 0, names, evaluator),
             *(_rate(scope.link_property(key), names, evaluator) for key in _RATES),
+            nodes=_nodes(scope.link_property("NODES"), evaluator),
         )
     return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link, ring)
 
@@ -78,6 +79,16 @@ def _number(
         return default  # already reported with the constructor
     value = evaluator.integer(given.argument, names, given.key, *limits)
     return default if value is None else value
+
+
+def _nodes(given: Property | None, evaluator: Evaluator) -> str:
+    if given is None or given.name is None or given.name.text in TOSNET_NODES:
+        return TOSNET_NODES[0] if given is None or given.name is None else given.name.text
+    place = given.name.start, given.name.end
+    message = f"NODES is {given.name.text}"
+    hint = "write `NODES=ring` for nodes behind a line, or `NODES=inside` for logic in this FPGA"
+    evaluator.reporter.report("UL108", *place, message, hint)
+    return TOSNET_NODES[0]
 
 
 def _rate(given: Property | None, names: Mapping[str, Value], evaluator: Evaluator) -> int | None:

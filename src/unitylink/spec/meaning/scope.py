@@ -180,6 +180,8 @@ class Scopes:
             if one.key in ("CTRL", "COMM"):
                 if one.name is not None and self.parameter(scope, one.name):
                     scope.runtime.add(one.name.text)
+            elif one.key == "NODES":
+                continue  # a word of the language
             elif one.key == "LINK":
                 self._link(one)
             elif one.argument is not None:

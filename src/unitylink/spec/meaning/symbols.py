@@ -265,7 +265,7 @@ class Symbols:
                 self._note(self.links, one.name)
             elif one.key in ("INITIAL", "SAFE") and one.name is not None and one.name.text in values:
                 self._note(values, one.name)
-            elif one.key != "OVERFLOW":
+            elif one.key not in ("OVERFLOW", "NODES"):
                 self._refer_names([one.argument], scope)
             if one.publish is not None:
                 self._refer_names(one.publish.arguments, scope)

@@ -9,7 +9,7 @@ from .expressions import ExpressionReader
 from .syntax import Argument, Name, Number, Property, PublishNode, TypeNode
 
 LINK_KIND_PROPERTIES = {
-    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK", "NODE", "BAUD", "CYCLE_RATE"),
+    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK", "NODE", "NODES", "BAUD", "CYCLE_RATE"),
     "MEMORY": ("CTRL", "COMM", "UART", "BASE", "LINK"),
     "DOUBLE_BUFFER": ("CTRL", "COMM", "UART", "BASE", "LINK", "SIZE"),
     "FIFO": ("CTRL", "COMM", "UART", "BASE", "LINK", "DEPTH"),
@@ -28,6 +28,7 @@ _NAMED = {
     "PHYSICAL": "a physical layer such as uart",
     "SEND_IMMEDIATE": "never, publishes, replies or both",
     "ENGINE": "fast or small",
+    "NODES": "inside or ring",
 }
 
 
