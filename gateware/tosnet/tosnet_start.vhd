@@ -4,8 +4,8 @@
 --
 --   electing --> counting --> registering --> running          `restart` or an MASTER_DSC packet goes back to electing
 --
--- Electing     Every node sends its id now and then. A node passes on the lower one of its own id and one that comes. So
---              only the lowest id comes round, and its node is the master. It says so to all (MASTER_SET).
+-- Electing     Every node sends its id now and then. A node passes on the lower one of its own id and one that comes.
+--              So only the lowest id comes round, and its node is the master. It says so to all (MASTER_SET).
 -- Counting     The master sends a list with itself (NET_DSC). Each node appends its id and takes the length of the list
 --              for its address. What comes back goes round again as NET_SET, and all store it.
 -- Registering  The same with the mask of each node's enabled registers (REG_DSC, REG_SET).
