@@ -27,7 +27,7 @@ architecture test of tosnet_timing_tb is
   signal running, begins, is_master : std_ulogic := '0';
   signal own_address, nodes         : unsigned(3 downto 0) := "0000";
   signal good_packet, packet_done, fresh, sent : std_ulogic := '0';
-  signal strobe, strobe_fresh, send, lost, silence : std_ulogic;
+  signal strobe, strobe_fresh, send, lost, way_changed, silence : std_ulogic;
 
 begin
 
@@ -39,7 +39,7 @@ begin
       clock => clock, reset => reset, running => running, begins => begins, is_master => is_master,
       own_address => own_address, nodes => nodes, good_packet => good_packet, packet_done => packet_done,
       fresh => fresh, sent => sent, strobe => strobe, strobe_fresh => strobe_fresh, send => send, lost => lost,
-      silence => silence);
+      way_changed => way_changed, silence => silence);
 
   play : process is
 
@@ -61,7 +61,7 @@ begin
     begin
       for count in 1 to clocks loop
         tick(clock);
-        check_equal(strobe & send & lost & silence, "0000", "strobe, send, lost, silence in a wait");
+        check_equal(strobe & send & lost & way_changed & silence, "00000", "what happens in a wait");
       end loop;
     end procedure;
 
@@ -141,8 +141,12 @@ begin
         packet(is_fresh);
         check_equal(strobe, '1', "the strobe of the master");
         check_equal(strobe_fresh, is_fresh, "whether it is fresh");
+        check_equal(way_changed, '0', "the way is the same");
         master_sends(pause_clocks);
       end loop;
+      nothing(hop_clocks); -- as if there were a node more
+      packet('1');
+      check_equal(strobe & way_changed & strobe_fresh, "110", "strobe, way_changed, strobe_fresh of a longer way");
       stop_ring;
       start_ring('1');
       master_sends(pause_clocks);
