@@ -22,7 +22,9 @@ end package;
 package body tosnet_bench_pkg is
 
   function ring_of (nodes : positive; kind : string) return ring_t is
-    constant ids    : string := "936B2D17F4A58CE";
+    type masks_t is array (0 to 3) of std_ulogic_vector(7 downto 0);
+    constant ids    : string  := "936B2D17F4A58CE";
+    constant mixed  : masks_t := (x"01", x"84", x"00", x"03");
     variable result : ring_t(0 to nodes - 1);
     variable digit  : character;
   begin
@@ -32,12 +34,7 @@ package body tosnet_bench_pkg is
                           character'pos(digit) - character'pos('A') + 10;
       result(place).registers := x"01";
       if kind = "mixed" then
-        case place mod 4 is
-          when 0      => result(place).registers := x"01";
-          when 1      => result(place).registers := x"84";
-          when 2      => result(place).registers := x"00";
-          when others => result(place).registers := x"03";
-        end case;
+        result(place).registers := mixed(place mod 4);
       elsif kind = "full" then
         result(place).registers := x"FF";
       end if;

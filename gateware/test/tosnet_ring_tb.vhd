@@ -233,7 +233,6 @@ begin
 
     procedure measure_cycle is
       variable began  : time;
-      variable late   : time_vector(ring'range);
       variable before : naturals_t(ring'range);
     begin
       before := stale;

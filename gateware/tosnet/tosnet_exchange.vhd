@@ -4,8 +4,8 @@
 --
 -- Slave     Passes on each byte that comes. In its own IN section it takes the byte, and puts its own OUT byte there.
 --           From the OUT sections of the others it takes the bytes.
--- Master    With `send`, sends a packet: its own OUT words, the IN words of the others, and their OUT words as they last
---           came. In what comes back, it takes the OUT words of the others out of their IN sections.
+-- Master    With `send`, sends a packet: its own OUT words, the IN words of the others, and their OUT words as they
+--           last came. In what comes back, it takes the OUT words of the others out of their IN sections.
 -- Words     `received_valid` is high for one clock with each word that came, at its address in the shared memory. They
 --           are for good only if `fresh` is high at the end of the packet. send_word belongs to the send_address of
 --           the clock before, or of two clocks before. It must not change from `send` on, or from a strobe to the next.
@@ -319,10 +319,11 @@ begin
             if send = '1' then
               state <= command;
               sends <= send_waiting;
-              asked <= std_ulogic_vector(turn);
-              turn  <= turn + 1;
               if send_waiting = '1' then
                 asked <= send_id;
+              else
+                asked <= std_ulogic_vector(turn);
+                turn  <= turn + 1;
               end if;
             end if;
           when command =>

@@ -9,8 +9,8 @@
 --           the clock. A bit is at least three samples long: clocks_per_bit * samples_per_clock.
 -- Bits      Every edge sets the middle of the next bit anew. Between two edges there are at most five bits, so the two
 --           clocks may be 1 % apart.
--- Alignment Every K28.5 begins a symbol, wherever it comes. Until the first one, no symbol is valid. After a symbol that
---           does not exist, none is valid until the next K28.5.
+-- Alignment Every K28.5 begins a symbol, wherever it comes. Until the first one, no symbol is valid. After a symbol
+--           that does not exist, none is valid until the next K28.5.
 -- Loss      `lost` is high after 32 bits without an edge, and until the next K28.5.
 -- Latency   symbol_valid is high for one clock, three clocks after the sample in the middle of the symbol's last bit.
 -- Reset     The line is lost.

@@ -6,7 +6,7 @@
 --
 -- Use       A symbol is always on the line. `take` is high in the clock in which `data` and `control` are those of the
 --           next one. They may come from a long path: they are registered before they are encoded.
--- Latency   The first bit of the symbol is on the line 2 + 2 * clocks_per_bit clocks after `take`. A symbol is
+-- Latency   The first bit of the symbol is on the line 2 * clocks_per_bit clocks after that of `take`. A symbol is
 --           10 * clocks_per_bit clocks long.
 -- Reset     The line sends the symbol of zero bits, which does not exist, for at most a symbol's time.
 

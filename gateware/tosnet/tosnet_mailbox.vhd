@@ -8,8 +8,8 @@
 --           up to three words to the same node, all but the last one full.
 -- Sending   send_begin opens the message that waits. Then send_data is its next byte after each send_step, and zero
 --           after its end. send_count is the number of its bytes that have been sent.
--- Taking    take_valid shifts a byte in. After 12 of them, take_keep gives the words of the first take_count bytes to the
---           user. Without it they are forgotten.
+-- Taking    take_valid shifts a byte in. After 12 of them, take_keep gives the words of the first take_count bytes to
+--           the user. Without it they are forgotten.
 -- Pressure  A message that comes while the user has not taken the one before is dropped: `lost` is high for one clock.
 -- Latency   A word of a message that came: one clock after take_keep.
 -- Reset     Drops what it has.

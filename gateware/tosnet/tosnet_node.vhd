@@ -19,10 +19,10 @@
 --           10 bits * (18 + 32 * registers of all nodes) + hop_bits * nodes.
 -- Hop       The time from a packet at the input to the packet at the output is hop_bits on average. It varies by half
 --           a symbol, because the transmitter does not shift its symbols. All nodes of a ring need the same hop_bits.
--- Faults    A damaged packet is passed on poisoned and gives a strobe that is not fresh. One that is lost, or has not its
---           whole length, gives no strobe to a slave; the master goes on with the next. `damaged` is high for one clock
---           for each. Without any good packet for watchdog_bits, or without an
---           edge on the line for 32 bits, the ring starts again: `restarted`, and `trouble` says why.
+-- Faults    A damaged packet is passed on poisoned and gives a strobe that is not fresh. One that is lost, or has not
+--           its whole length, gives no strobe to a slave; the master goes on with the next. `damaged` is high for one
+--           clock for each. Without any good packet for watchdog_bits, or without an edge on the line for 32 bits,
+--           the ring starts again: `restarted`, and `trouble` says why.
 -- Channel   With `channel`, messages of up to 12 bytes travel beside the words (tosnet_mailbox). A message in a damaged
 --           packet is lost.
 -- Reset     The node is silent for 100 clocks and then joins the ring, which starts again.

@@ -6,8 +6,8 @@
 --           poisoned, so the checksum is inverted and no node takes the packet for good.
 -- Start     While `go` is high and an item is there, a packet begins with the next symbol. One K28.1 at least stands
 --           between two packets.
--- Pressure  An item is taken for each symbol. If none is there in the middle of a packet, the packet ends, poisoned, and
---           the items up to its end are dropped.
+-- Pressure  An item is taken for each symbol. If none is there in the middle of a packet, the packet ends, poisoned,
+--           and the items up to its end are dropped.
 -- Seed      A register like the scrambler's, which advances with each K28.1.
 -- Reset     Sends K28.1.
 
@@ -91,7 +91,7 @@ begin
               state <= between;
             end if;
           when drop =>
-            null;
+            seed <= next_scramble(seed);
         end case;
       end if;
       if reset = '1' then

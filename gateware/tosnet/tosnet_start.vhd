@@ -4,8 +4,8 @@
 --
 --   electing --> counting --> registering --> running          `restart` or an MASTER_DSC packet goes back to electing
 --
--- Electing     Every node sends its id now and then. A node passes on the lower one of its own id and one that comes. So
---              only the lowest id comes round, and its node is the master. It says so to all (MASTER_SET).
+-- Electing     Every node sends its id now and then. A node passes on the lower one of its own id and one that comes.
+--              So only the lowest id comes round, and its node is the master. It says so to all (MASTER_SET).
 -- Counting     The master sends a list with itself (NET_DSC). Each node appends its id and takes the length of the list
 --              for its address. What comes back goes round again as NET_SET, and all store it.
 -- Registering  The same with the mask of each node's enabled registers (REG_DSC, REG_SET).
@@ -17,7 +17,7 @@
 --              twice, more than `most_nodes`, two masks of a node that differ.
 -- Not master   With may_be_master low, a node never becomes master. If it has the lowest id, the ring does not start:
 --              `trouble` is no_master.
--- Reset        Electing, after 100 clocks.
+-- Reset        Electing, after 128 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -26,12 +26,13 @@ library ieee;
   use work.protocol_pkg.all;
   use work.tosnet_ring_pkg.all;
   use work.tosnet_wire_pkg.all;
+  use work.width_pkg.all;
 
 entity tosnet_start is
   generic (
     may_be_master   : boolean                := true;
     most_nodes      : positive range 2 to 15 := 15;
-    election_clocks : positive               := 4800 -- from an id to the next one that a node sends by itself
+    election_clocks : positive               := 4800 -- from an own id to the next one; rounded up to a power of two
   );
   port (
     clock     : in std_ulogic;
@@ -69,77 +70,108 @@ end entity;
 
 architecture rtl of tosnet_start is
 
-  type phase_t is (resting, electing, counting, registering, goes);
+  -- The phase is the kind of the packets that belong to it: bits 6 and 5 of their first byte. The first bit of that
+  -- kind is high for lists. Bit 4 tells a list that comes to an end (SET) from one that grows (DSC).
+  subtype phase_t is std_ulogic_vector(1 downto 0);
 
-  -- A byte to send: the byte that has come; a command with an id or count; an entry of a list; the mask of registers.
-  type source_t is (passed, with_id, with_argument, with_zero, with_count, entry, mask);
+  constant goes        : phase_t := "00";
+  constant electing    : phase_t := "01";
+  constant counting    : phase_t := "10";
+  constant registering : phase_t := "11";
 
+  -- A byte to send: the byte that has come; the node's id; the first byte of the master's list; the node's entry in a
+  -- list; the mask of its registers.
+  type source_t is (passed, own_id, head, entry, mask);
 
   constant ghost_limit : positive := 32;
-  constant reset_clocks : positive := 100;
+  constant rest_bits   : positive := 8; -- a node rests for 128 clocks after its reset
+  constant timer_bits  : positive := maximum(bits_for(election_clocks) + 1, rest_bits);
 
   signal phase      : phase_t;
+  signal rests      : std_ulogic; -- after the reset
+  signal master     : std_ulogic;
   signal claimed    : std_ulogic; -- this node has said that it is the master
-  signal timer      : natural range 0 to maximum(election_clocks, reset_clocks);
+  signal timer      : unsigned(timer_bits - 1 downto 0); -- since the node spoke by itself
   signal passed_on  : natural range 0 to ghost_limit - 1;
 
-  signal first      : std_ulogic; -- the next byte is the packet's first
-  signal command    : natural range 0 to 15;
-  signal argument   : std_ulogic_vector(3 downto 0);
-  signal index      : unsigned(3 downto 0) := "0000";
-  signal count      : unsigned(4 downto 0); -- entries that have come
+  -- The packet that comes.
+  signal first      : std_ulogic; -- the next byte is its first
+  signal elects     : std_ulogic; -- it is MASTER_DSC or MASTER_SET
+  signal lists      : std_ulogic; -- it is a list, and one of this phase
+  signal is_set     : std_ulogic; -- it is SET, not DSC
+  signal forwarding : std_ulogic;
+  signal count      : unsigned(3 downto 0); -- entries that have come
+  signal present    : std_ulogic;           -- this node's entry was among them
   signal second     : std_ulogic;           -- the second mask of a node is next
   signal first_mask : byte_t;
-  signal forwarding : std_ulogic;
-  signal flaw       : trouble_t;            -- of the list that comes
+  signal flaw       : trouble_t;            -- of the list; of several flaws, trouble_other_list
 
   -- What is sent next: up to three bytes, and the end of the packet. The bytes that follow the first are an entry after
-  -- a count, and masks otherwise.
+  -- the head of NET_DSC, and masks otherwise.
   signal source       : source_t;
-  signal high         : natural range 0 to 15; -- the command
+  signal begins_list  : std_ulogic;       -- with `passed`: it is the first byte of a list
+  signal says_set     : std_ulogic;       -- with `own_id`: MASTER_SET instead of MASTER_DSC
   signal bytes        : natural range 0 to 3;
   signal byte         : byte_t;
   signal ends, poison : std_ulogic;
 
-  function command_of (byte : byte_t) return natural is
-  begin
-    return to_integer(unsigned(byte(7 downto 4)));
-  end function;
-
 begin
 
-  running     <= to_bit(phase = goes);
+  assert trouble_other_list = (trouble_too_many or trouble_same_id)
+    report "tosnet_start: the codes of the flaws do not fit"
+    severity failure;
+
+  running     <= to_bit(phase = goes) and not rests;
+  is_master   <= master when may_be_master else '0';
   item_valid  <= to_bit(bytes > 0) or ends;
   item_data   <= '0' & byte when bytes > 0 else item_end(8 downto 1) & poison;
-  write_index <= index;
+  write_index <= count;
+  write_data  <= data; -- it stands still until the next symbol
 
-  -- What has come stands still until the next symbol.
-  with source select byte <=
-    data                                                     when passed,
-    halves(high, id)                                         when with_id,
-    halves(high, argument)                                   when with_argument,
-    halves(high, "0000")                                     when with_zero,
-    halves(high, std_ulogic_vector(own_address + 1))         when with_count,
-    std_ulogic_vector(own_address) & id                      when entry,
-    registers                                                when mask;
+  bytes_to_send : process (all) is
+  begin
+    case source is
+      when passed =>
+        byte <= data;
+        if begins_list = '1' and is_master = '1' then
+          byte(4) <= '1'; -- DSC has come round, and goes on as SET
+        elsif begins_list = '1' and is_set = '0' and phase = counting then
+          byte(3 downto 0) <= std_ulogic_vector(unsigned(data(3 downto 0)) + 1);
+        end if;
+      when own_id =>
+        byte <= halves(tosnet_wire_master_discovery_c, id);
+        if says_set = '1' and may_be_master then
+          byte(4) <= '1';
+        end if;
+      when head =>
+        byte <= halves(tosnet_wire_register_discovery_c, "0000");
+        if phase = counting then
+          byte <= halves(tosnet_wire_network_discovery_c, "0001");
+        end if;
+      when entry =>
+        byte <= std_ulogic_vector(own_address) & id;
+      when mask =>
+        byte <= registers;
+    end case;
+  end process;
 
   process (clock) is
-    variable ids      : std_ulogic_vector(15 downto 0);
-    variable again    : boolean;   -- electing begins again
-    variable why      : trouble_t;
-    variable mark     : natural range 0 to 15;
+    variable low    : std_ulogic_vector(3 downto 0);
+    variable fits   : std_ulogic; -- a list of this phase begins
+    variable passes : std_ulogic; -- and is passed on
+    variable again  : std_ulogic; -- electing begins again
+    variable why    : trouble_t;
 
     -- The next event is at least ten clocks away, so all has been sent by then.
-    procedure send (what : source_t; command : natural := 0; count : positive := 1) is
+    procedure send (what : source_t; number : positive := 1) is
     begin
       source <= what;
-      high   <= command;
-      bytes  <= count;
+      bytes  <= number;
     end procedure;
 
-    procedure send_packet (what : source_t; command : natural; count : positive := 1) is
+    procedure send_packet (what : source_t; number : positive := 1) is
     begin
-      send(what, command, count);
+      send(what, number);
       ends   <= '1';
       poison <= '0';
     end procedure;
@@ -147,221 +179,193 @@ begin
   begin
     if rising_edge(clock) then
       write_entry <= '0';
-      write_mask <= '0';
-      begins     <= '0';
-      restarted  <= '0';
-      ids        := members;
-      again      := restart = '1';
-      why        := cause;
+      write_mask  <= '0';
+      begins      <= '0';
+      restarted   <= '0';
+      again       := restart;
+      why         := cause;
+      low         := data(3 downto 0);
 
       if bytes > 0 then
         bytes  <= bytes - 1;
-        source <= entry when source = with_count else mask;
-      elsif ends = '1' then
+        source <= entry when source = head and phase = counting else mask;
+      else
         ends <= '0';
       end if;
 
       -- What a node sends by itself.
-      if timer > 0 then
-        timer <= timer - 1;
-      elsif phase = resting then
-        phase <= electing;
-      elsif phase = electing and first = '1' and item_valid = '0' then
-        timer <= election_clocks;
-        if claimed = '1' then
-          send_packet(with_id, tosnet_wire_master_set_c);
-        else
-          send_packet(with_id, tosnet_wire_master_discovery_c);
+      timer <= timer + 1;
+      if rests = '1' then
+        if timer(rest_bits - 1) = '1' then
+          rests <= '0';
+          timer <= (others => '1');
         end if;
+      elsif timer(timer'high) = '1' and phase = electing and first = '1' and item_valid = '0' then
+        timer    <= (others => '0');
+        says_set <= claimed;
+        send_packet(own_id);
+      elsif timer(timer'high) = '1' then
+        timer <= timer;
+      end if;
+
+      if (write_entry or write_mask) = '1' then
+        count <= count + 1;
       end if;
 
       if valid = '1' and first = '1' then
-        first    <= '0';
-        command  <= command_of(data);
-        argument <= data(3 downto 0);
-        index    <= "0000";
-        count    <= "00000";
-        second   <= '0';
-        flaw     <= trouble_none;
-        case command_of(data) is
-          when tosnet_wire_network_discovery_c =>
-            if phase = counting and is_master = '1' then
-              forwarding <= '1';
-              send(with_argument, tosnet_wire_network_set_c);
-            elsif phase = counting and unsigned(data(3 downto 0)) < most_nodes then
-              forwarding  <= '1';
-              own_address <= unsigned(data(3 downto 0));
-              send(with_count, tosnet_wire_network_discovery_c);
-            elsif phase = counting then
-              flaw <= trouble_too_many;
-            end if;
-          when tosnet_wire_network_set_c =>
-            nodes      <= unsigned(data(3 downto 0));
-            ids        := (others => '0');
-            forwarding <= not is_master and to_bit(phase = counting);
-            if is_master = '0' and phase = counting then
-              send(passed);
-            end if;
-            if unsigned(data(3 downto 0)) > most_nodes then
-              flaw <= trouble_too_many;
-            end if;
-          when tosnet_wire_register_discovery_c =>
-            forwarding <= to_bit(phase = registering);
-            if phase = registering and is_master = '1' then
-              send(with_zero, tosnet_wire_register_set_c);
-            elsif phase = registering then
-              send(passed);
-            end if;
-          when tosnet_wire_register_set_c =>
-            forwarding <= not is_master and to_bit(phase = registering);
-            if is_master = '0' and phase = registering then
-              send(passed);
-            end if;
-          when others =>
-            null;
-        end case;
+        fits   := not data(7) and data(6) and to_bit(data(6 downto 5) = phase) and not rests;
+        passes := fits and not (data(4) and is_master);
+        if data(5 downto 4) = "00" and is_master = '0' and unsigned(low) >= most_nodes then
+          passes := '0';
+        end if;
+        first       <= '0';
+        elects      <= to_bit(data(7 downto 5) = "001");
+        lists       <= fits;
+        is_set      <= data(4);
+        forwarding  <= passes;
+        begins_list <= '1';
+        count       <= "0000";
+        present     <= '0';
+        second      <= '0';
+        flaw        <= trouble_none;
+        if passes = '1' then
+          send(passed);
+        end if;
+        if fits = '1' and data(5 downto 4) = "00" then
+          own_address <= unsigned(low) when is_master = '0' else "0000";
+          if passes = '0' then
+            flaw <= trouble_too_many;
+          end if;
+        elsif fits = '1' and data(5 downto 4) = "01" then
+          nodes   <= unsigned(low);
+          members <= (others => '0');
+          if unsigned(low) > most_nodes or low = "0000" then
+            flaw <= trouble_too_many;
+          end if;
+        end if;
       elsif valid = '1' then
+        begins_list <= '0';
         if forwarding = '1' then
           send(passed);
         end if;
-        write_data <= data;
-        mark       := to_integer(unsigned(data(3 downto 0)));
-        index      <= count(3 downto 0);
-        if command = tosnet_wire_network_set_c and phase = counting then
+        if (lists and is_set) = '1' and phase(0) = '0' then
           write_entry <= '1';
-          count    <= count + 1;
-          if unsigned(data(7 downto 4)) /= count or (count = own_address and data(3 downto 0) /= id) then
-            flaw <= trouble_other_list;
-          elsif ids(mark) = '1' then
-            flaw <= trouble_same_id;
+          if count = own_address then
+            present <= '1';
           end if;
-          ids(mark) := '1';
-        elsif command = tosnet_wire_register_set_c and phase = registering then
+          if unsigned(data(7 downto 4)) /= count or (count = own_address and low /= id) then
+            flaw <= flaw or trouble_other_list;
+          elsif members(to_integer(unsigned(low))) = '1' then
+            flaw <= flaw or trouble_same_id;
+          end if;
+          members(to_integer(unsigned(low))) <= '1';
+        elsif (lists and is_set) = '1' then
           second     <= not second;
           first_mask <= data;
-          if second = '1' then
-            write_mask <= '1';
-            count      <= count + 1;
-            if data /= first_mask then
-              flaw <= trouble_masks;
-            end if;
+          write_mask <= second;
+          if second = '1' and data /= first_mask then
+            flaw <= trouble_masks;
           end if;
         end if;
       end if;
 
       if done = '1' then
-        forwarding <= '0';
-        first      <= '1';
+        forwarding  <= '0';
+        first       <= '1';
+        begins_list <= '0';
         if forwarding = '1' then
-          if good = '1' and is_master = '0' and command = tosnet_wire_network_discovery_c then
-            send(entry);
-          elsif good = '1' and is_master = '0' and command = tosnet_wire_register_discovery_c then
-            send(mask, count => 2);
+          if good = '1' and is_master = '0' and is_set = '0' then
+            if phase(0) = '0' then
+              send(entry);
+            else
+              send(mask, 2);
+            end if;
           end if;
           ends   <= '1';
           poison <= not good;
         end if;
 
-        if good = '1' and phase /= resting and first = '0' then
-          case command is
-
-            when tosnet_wire_master_discovery_c =>
-              if phase /= electing then
-                again := true;
-                why   := trouble_restart;
+        if (good and elects and not first and not rests) = '1' then
+          if is_set = '0' and phase /= electing then
+            again := '1';
+            why   := trouble_restart;
+          end if;
+          if low < id then
+            claimed <= '0';
+            if is_set = '1' then
+              master    <= '0';
+              master_id <= low;
+              phase     <= counting;
+              send_packet(passed);
+            else
+              passed_on <= (passed_on + 1) mod ghost_limit;
+              if passed_on /= ghost_limit - 1 then
+                send_packet(passed);
               end if;
-              if argument < id then
-                claimed <= '0';
-                if passed_on = ghost_limit - 1 then
-                  passed_on <= 0;
-                else
-                  passed_on <= passed_on + 1;
-                  send_packet(with_argument, tosnet_wire_master_discovery_c);
-                end if;
-              elsif argument > id or phase /= electing then
-                -- After MASTER_SET, the ids that were under way before it end here.
-                if claimed = '0' or phase /= electing then
-                  send_packet(with_id, tosnet_wire_master_discovery_c);
-                end if;
-              elsif not may_be_master then
-                trouble <= trouble_no_master;
-              elsif claimed = '0' then
-                claimed <= '1';
-                timer   <= election_clocks;
-                send_packet(with_id, tosnet_wire_master_set_c);
-              end if;
-
-            when tosnet_wire_master_set_c =>
-              if argument < id then
-                is_master <= '0';
-                master_id <= argument;
-                claimed   <= '0';
-                phase     <= counting;
-                send_packet(with_argument, tosnet_wire_master_set_c);
-              elsif argument > id then
-                again := true;
-                why   := trouble_restart;
-              elsif phase = electing and claimed = '1' then
-                is_master   <= to_bit(may_be_master);
-                master_id   <= id;
-                own_address <= "0000";
-                phase       <= counting;
-                send_packet(with_count, tosnet_wire_network_discovery_c, 2);
-              end if;
-
-            when tosnet_wire_network_discovery_c =>
-              if flaw /= trouble_none then
-                again := true;
-                why   := flaw;
-              end if;
-
-            when tosnet_wire_network_set_c =>
-              if phase = counting then
-                if flaw /= trouble_none or count /= nodes or count <= own_address then
-                  again := true;
-                  why   := trouble_other_list when flaw = trouble_none else flaw;
-                else
-                  phase <= registering;
-                  if is_master = '1' then
-                    send_packet(with_zero, tosnet_wire_register_discovery_c, 3);
-                  end if;
-                end if;
-              end if;
-
-            when tosnet_wire_register_set_c =>
-              if phase = registering then
-                if flaw /= trouble_none or count /= nodes then
-                  again := true;
-                  why   := trouble_masks;
-                else
-                  phase   <= goes;
-                  begins  <= '1';
-                  trouble <= trouble_none;
-                end if;
-              end if;
-
-            when others =>
-              null;
-          end case;
+            end if;
+          elsif is_set = '1' then
+            if low /= id then
+              again := '1';
+              why   := trouble_restart;
+            elsif phase = electing and claimed = '1' and may_be_master then
+              master      <= '1';
+              master_id   <= id;
+              own_address <= "0000";
+              phase       <= counting;
+              send_packet(head, 2);
+            end if;
+          elsif low /= id or phase /= electing then
+            -- After MASTER_SET, the ids that were under way before it end here.
+            if claimed = '0' or phase /= electing then
+              says_set <= '0';
+              send_packet(own_id);
+            end if;
+          elsif not may_be_master then
+            trouble <= trouble_no_master;
+          elsif claimed = '0' then
+            claimed  <= '1';
+            timer    <= (others => '0');
+            says_set <= '1';
+            send_packet(own_id);
+          end if;
+        elsif (good and lists and not first) = '1' then
+          if flaw /= trouble_none or (is_set = '1' and (count /= nodes or (present or phase(0)) = '0')) then
+            again := '1';
+            why   := trouble_masks;
+            if phase(0) = '0' then
+              why := trouble_other_list when flaw = trouble_none else flaw;
+            end if;
+          elsif is_set = '1' and phase(0) = '0' then
+            phase <= registering;
+            if is_master = '1' then
+              send_packet(head, 3);
+            end if;
+          elsif is_set = '1' then
+            phase   <= goes;
+            begins  <= '1';
+            trouble <= trouble_none;
+          end if;
         end if;
       end if;
 
-
-      if again and phase /= resting then
+      if (again and not rests) = '1' then
         restarted <= '1';
+        lists     <= '0';
         claimed   <= '0';
-        is_master <= '0';
+        master    <= '0';
         phase     <= electing;
-        timer     <= election_clocks;
+        timer     <= (others => '0');
         trouble   <= why;
       end if;
-      members <= ids;
+
       if reset = '1' then
-        phase      <= resting;
-        timer      <= reset_clocks;
+        phase      <= electing;
+        rests      <= '1';
+        timer      <= (others => '0');
         claimed    <= '0';
-        is_master  <= '0';
+        master     <= '0';
         first      <= '1';
+        lists      <= '0';
         forwarding <= '0';
         bytes      <= 0;
         ends       <= '0';

@@ -3,8 +3,8 @@
 -- The network registers of a TosNet ring: id and enabled registers of each node, in the order of the ring.
 --
 -- Write     write_entry and write_mask store one field each at write_index.
--- Read      entry and mask of read_index, one clock later. They are the fields of nodes that the ring does not have, too:
---           the reader counts.
+-- Read      entry and mask of read_index, one clock later. They are the fields of nodes that the ring does not have,
+--           too: the reader counts.
 -- Memory    16 words, which become block RAM.
 
 library ieee;

@@ -2,9 +2,9 @@
 --
 -- When things happen in a running TosNet ring: the strobe, the master's next packet, and the watchdogs.
 --
--- Strobe    High for one clock, in all nodes at the same time, after each DATA packet: a slave waits a hop for each node
---           that is still to come, the master not at all. With it, strobe_fresh says that the packet was fresh.
--- Send      The master sends its first packet one hop after `begins`, and each further one pause_clocks after its
+-- Strobe    High for one clock, in all nodes at the same time, after each DATA packet: a slave waits a hop for each
+--           node that is still to come, the master not at all. With it, strobe_fresh says that the packet was fresh.
+-- Send      The master sends its first packet pause_clocks after `begins`, and each further one pause_clocks after its
 --           strobe.
 -- Lost      A packet of the master that has not come back (nodes + 6) hops after it was sent is lost. The master has a
 --           strobe that is not fresh, and goes on. The slaves have none.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Walks through the bytes of a DATA packet: for each node of the ring its OUT section, then its IN section; in a section
--- the enabled registers from 7 down to 0; in a register 16 bytes.
+-- Walks through the bytes of a DATA packet: for each node of the ring its OUT section, then its IN section; in a
+-- section the enabled registers from 7 down to 0; in a register 16 bytes.
 --
 -- Use       `restart` goes to the first byte. `ready` says that the outputs belong to the next byte, and `step` goes on
 --           from there. After the last byte, `finished` is high instead of `ready`.
