@@ -184,7 +184,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
   while (plant_next_ <= until && !stop_) {
     device_->run_until(plant_next_);
     flush();
-    const double time_s = static_cast<double>(plant_next_) / configuration().clock_hz;
+    const double time_s = static_cast<double>(plant_next_ + plant_offset_) / configuration().clock_hz;
     plant_next_ += plant_period_;
     lock.unlock();
     const bool goes_on = plant_.step(time_s);

@@ -181,6 +181,15 @@ BusStatus Tosnet::set(std::uint32_t address, std::uint32_t value, Clock now) {
   return BusStatus::ok;
 }
 
+BusStatus Tosnet::preset(std::uint32_t address, std::uint32_t value, Clock now) {
+  if (address >= map::memory_words || !writable(address)) {
+    seen_[address % map::memory_words] = value;
+    return set(address, value, now);
+  }
+  banks_[0][address] = banks_[1][address] = value;
+  return BusStatus::ok;
+}
+
 void Tosnet::set_online(bool online, Clock now) {
   advance(now);
   if (online && !online_) {

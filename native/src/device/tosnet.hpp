@@ -66,6 +66,7 @@ class Tosnet final : public Bus {
   // The nodes' side: `get` reads the committed IN words, `set` writes the OUT words of nodes other than the PC's.
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+  BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) override;
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;
 
