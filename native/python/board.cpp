@@ -413,6 +413,7 @@ void bind_board(nb::module_& module) {
       .def("look", &look_at_pin<PythonBoard>, nb::arg("component"), nb::arg("pin"),
            "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
+      .def("set_node", &Board::set_node, nb::arg("id"), nb::arg("present"), Release())
       .def(
           "async_take",
           [](PythonBoard& self) -> nb::object {

@@ -382,6 +382,12 @@ void Board::set_online(bool online) {
   }
 }
 
+bool Board::set_node(std::uint32_t id, bool present) {
+  const auto lock = enter();
+  Tosnet* tosnet = device_->tosnet();
+  return tosnet != nullptr && tosnet->set_node(id, present, device_->clock());
+}
+
 void Board::damage_cycle() {
   const auto lock = enter();
   if (Tosnet* tosnet = device_->tosnet(); tosnet != nullptr) {

@@ -243,6 +243,16 @@ class Board:
         """Break the TosNet network, or mend it. Meanwhile nothing is exchanged, and commits stay pending."""
         self._native.set_online(online)
 
+    def set_node(self, node: int, present: bool) -> None:
+        """Let a node of the TosNet network leave, or come back. The others find their ring anew.
+
+        While it is away, its words do not change for the PC.
+        """
+        if not (0 <= node < 16 and self._native.set_node(node, present)):
+            raise ValueRangeError(
+                f"node {node}: the board has no TosNet with such a node beside the PC's own"
+            )
+
     def damage_cycle(self) -> None:
         """Let one TosNet cycle arrive damaged. The error counter counts it, and PCKERR is set for one
         cycle."""

@@ -65,6 +65,10 @@ class ModelBoard(Board):
         """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
 
+    def set_node(self, node: int, present: bool) -> None:
+        """Raise UnityLinkError, because only the twin has a model of the network."""
+        raise UnityLinkError("no node of the gateware's network leaves from here; the twin's can: use `sim:`")
+
     def damage_cycle(self) -> None:
         """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be damaged from here; the twin's can: use `sim:`")
