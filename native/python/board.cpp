@@ -373,6 +373,10 @@ void bind_board(nb::module_& module) {
             return self.set(address, value) == BusStatus::ok;
           },
           nb::arg("address"), nb::arg("value"), Release())
+      .def("preset", &preset<PythonBoard>, nb::arg("address"), nb::arg("value"), Release())
+      .def("hold_plant", &Board::hold_plant, Release())
+      .def_prop_ro("plant_phase", [](PythonBoard& self) { return plant_phase(self); })
+      .def("release_plant", &release_plant<PythonBoard>, nb::arg("clock"), nb::arg("wait"), Release())
       .def("get_many", &get_many<PythonBoard>, nb::arg("addresses"), Release())
       .def("set_many", &set_many<PythonBoard>, nb::arg("addresses"), nb::arg("words"), Release())
       .def("set_event", &Board::set_event, nb::arg("group"), nb::arg("high"), Release())
@@ -409,6 +413,7 @@ void bind_board(nb::module_& module) {
       .def("look", &look_at_pin<PythonBoard>, nb::arg("component"), nb::arg("pin"),
            "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
+      .def("set_node", &Board::set_node, nb::arg("id"), nb::arg("present"), Release())
       .def(
           "async_take",
           [](PythonBoard& self) -> nb::object {

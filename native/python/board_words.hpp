@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many registers of a board at once, for plants in Python.
+// Many registers of a board at once, for plants in Python; and what a new board gets of another.
 #pragma once
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "bindings.hpp"
 #include "device/board.hpp"
 
 namespace unitylink::python {
@@ -36,6 +42,24 @@ std::size_t set_many(PythonBoard& board, const BoardWords& addresses, const Boar
     ++done;
   }
   return done;
+}
+
+template <class PythonBoard>
+bool preset(PythonBoard& board, std::uint32_t address, std::uint32_t value) {
+  return board.preset(address, value) == device::BusStatus::ok;
+}
+
+// The clock of the plant's next step, and the clocks until then. None: it makes none.
+template <class PythonBoard>
+std::optional<std::pair<device::Clock, device::Clock>> plant_phase(PythonBoard& board) {
+  const GilRelease released;
+  const auto phase = board.plant_phase();
+  return phase.clock == device::never ? std::nullopt : std::optional(std::pair(phase.clock, phase.wait));
+}
+
+template <class PythonBoard>
+void release_plant(PythonBoard& board, device::Clock clock, device::Clock wait) {
+  board.release_plant({clock, wait});
 }
 
 }  // namespace unitylink::python

@@ -12,7 +12,10 @@
     │   ├── BusError               the device answered that its bus refused or did not answer the address
     │   ├── ProtocolError          the device answered something this protocol does not have
     │   ├── UnexpectedValue        the device holds a number that its type in the spec does not have
-    │   ├── NetworkError           the network behind the gateware is down, halted, or dropped a commit
+    │   ├── NetworkError           the network behind the gateware dropped a commit, or
+    │   │   ├── NetworkOffline     … is down
+    │   │   ├── NetworkHalted      … has halted until its reset
+    │   │   └── NodeLost           … lacks a node; knows .nodes
     │   ├── AccessRefused          a server does not let this user do it: unknown token, or a scope is missing
     │   ├── LeaseHeld              another user of a server has the write lease of this part of the robot
     │   ├── DeadManTripped         the device has made its outputs safe; nothing is written before arm()
@@ -141,6 +144,20 @@ class NetworkError(LinkError):
 
     The message says which.
     """
+
+
+class NetworkOffline(NetworkError):
+    """The network behind the gateware is down: a fibre is cut, or its nodes look for their ring."""
+
+
+class NetworkHalted(NetworkError):
+    """The network has gone without a commit for too many cycles. It halts until it is reset."""
+
+
+class NodeLost(NetworkError):
+    """Nodes that should be in the network's ring are not. `nodes` has their ids."""
+
+    nodes: tuple[int, ...] = ()
 
 
 class AccessRefused(LinkError):

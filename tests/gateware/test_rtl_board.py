@@ -101,6 +101,8 @@ def test_what_a_plant_may_not_set(spec: Spec) -> None:
             _ = board.registers[0x20]
         with pytest.raises(UnityLinkError, match="use `sim:`"):
             board.set_online(False)
+        with pytest.raises(UnityLinkError, match="use `sim:`"):
+            board.set_node(2, False)
 
 
 def test_link_url_brings_the_board(spec: Spec, tmp_path: Path) -> None:

@@ -155,4 +155,12 @@ BusStatus AddressMap::set(std::uint32_t address, std::uint32_t value, Clock now)
   return at.slave->set(address - at.range.first, value & data_mask_, now);
 }
 
+BusStatus AddressMap::preset(std::uint32_t address, std::uint32_t value, Clock now) {
+  if (address > address_mask_) {
+    return BusStatus::error;
+  }
+  Region& at = region(address, now);
+  return at.slave->preset(address - at.range.first, value & data_mask_, now);
+}
+
 }  // namespace unitylink::device

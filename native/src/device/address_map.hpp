@@ -25,6 +25,7 @@ class AddressMap final : public Bus {
   void block(bool held, Clock now) override;
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+  BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) override;
 
   void observe(std::function<void(std::uint32_t address, std::uint32_t value)> observer) {
     observer_ = std::move(observer);

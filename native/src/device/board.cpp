@@ -184,7 +184,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
   while (plant_next_ <= until && !stop_) {
     device_->run_until(plant_next_);
     flush();
-    const double time_s = static_cast<double>(plant_next_) / configuration().clock_hz;
+    const double time_s = static_cast<double>(plant_next_ + plant_offset_) / configuration().clock_hz;
     plant_next_ += plant_period_;
     lock.unlock();
     const bool goes_on = plant_.step(time_s);
@@ -380,6 +380,12 @@ void Board::set_online(bool online) {
   if (Tosnet* tosnet = device_->tosnet(); tosnet != nullptr) {
     tosnet->set_online(online, device_->clock());
   }
+}
+
+bool Board::set_node(std::uint32_t id, bool present) {
+  const auto lock = enter();
+  Tosnet* tosnet = device_->tosnet();
+  return tosnet != nullptr && tosnet->set_node(id, present, device_->clock());
 }
 
 void Board::damage_cycle() {

@@ -65,6 +65,16 @@ class Board : private Lockstep::Member {
   [[nodiscard]] double time_s();
   BusReply get(std::uint32_t address);
   BusStatus set(std::uint32_t address, std::uint32_t value);
+  // For the state of a board that a new one gets: a word, and the plant's own clock. While the plant is held it makes
+  // no step. release_plant() lets it go on as the other one would have gone on.
+  BusStatus preset(std::uint32_t address, std::uint32_t value);
+  struct PlantPhase {
+    Clock clock = never;  // of its next step. never: it makes none
+    Clock wait = 0;       // until then
+  };
+  PlantPhase plant_phase();
+  void hold_plant();
+  void release_plant(const PlantPhase& phase);
   void set_event(std::uint32_t group, bool high);
   void pulse_event(std::uint32_t group);
   void receive_error(std::uint8_t bits);
@@ -84,7 +94,8 @@ class Board : private Lockstep::Member {
   void play(std::uint32_t component, std::uint32_t pin, const PinLevels& levels);
   std::optional<PinLevels> edges(std::uint32_t component, std::uint32_t pin);
   std::optional<SeenPin> look(std::uint32_t component, std::uint32_t pin);
-  void set_online(bool online);  // this call and the next are for the TosNet
+  void set_online(bool online);  // this call and the next two are for the TosNet
+  bool set_node(std::uint32_t id, bool present);
   void damage_cycle();
   BoardStatistics statistics();
   std::string failure();  // why the device has stopped; empty while it runs
@@ -127,6 +138,7 @@ class Board : private Lockstep::Member {
   PlantHook plant_;
   Clock plant_period_ = 0;
   Clock plant_next_ = never;
+  Clock plant_offset_ = 0;  // from the device's clock to the plant's, which may have begun in another board
   BoardStatistics statistics_;
   std::vector<std::uint8_t> output_;  // taken from the device and not yet sent
   std::size_t output_sent_ = 0;

@@ -77,4 +77,28 @@ void Board::work(std::uint64_t until_ns) noexcept {
   }
 }
 
+BusStatus Board::preset(std::uint32_t address, std::uint32_t value) {
+  const auto lock = enter();
+  return device_->preset(address, value);
+}
+
+Board::PlantPhase Board::plant_phase() {
+  const auto lock = enter();
+  return plant_next_ == never ? PlantPhase{} : PlantPhase{plant_next_ + plant_offset_, plant_next_ - device_->clock()};
+}
+
+void Board::hold_plant() {
+  const auto lock = enter();
+  plant_next_ = never;
+}
+
+void Board::release_plant(const PlantPhase& phase) {
+  const auto lock = enter();
+  if (plant_.step && phase.clock != never) {
+    plant_next_ = device_->clock() + phase.wait;
+    plant_offset_ = phase.clock - plant_next_;
+    wake();
+  }
+}
+
 }  // namespace unitylink::device

@@ -28,6 +28,8 @@ class Bus {
   virtual void block(bool /*held*/, Clock /*now*/) {}
   virtual BusReply get(std::uint32_t address, Clock now) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
+  // Sets a word as it was in another board: also one that only the PC writes, or that a commit hides.
+  virtual BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) { return set(address, value, now); }
   // When advance() has something to do without an access.
   [[nodiscard]] virtual Clock next_clock() const noexcept { return never; }
   virtual void advance(Clock /*now*/) {}

@@ -62,8 +62,20 @@ void Tosnet::advance(Clock now) {
 }
 
 void Tosnet::show() {
+  constexpr std::size_t node_words = std::size_t{1} << map::node_shift;
   shown_bank_ = write_bank_ ^ 1u;
-  seen_ = outputs_;
+  for (std::size_t id = 0; id < seen_.size() / node_words; ++id) {
+    if ((absent_ >> id & 1u) == 0) {
+      std::copy_n(outputs_.begin() + static_cast<std::ptrdiff_t>(id * node_words), node_words,
+                  seen_.begin() + static_cast<std::ptrdiff_t>(id * node_words));
+    }
+  }
+}
+
+void Tosnet::restart() {
+  ++resets_;
+  halted_ = false;
+  skipped_ = 0;
 }
 
 bool Tosnet::writable(std::uint32_t address) const noexcept {
@@ -82,16 +94,19 @@ std::uint32_t Tosnet::status() const noexcept {
 }
 
 std::uint32_t Tosnet::network_register(std::uint32_t index) const noexcept {
-  std::uint32_t id = configuration_.master_id;
-  std::uint32_t enabled = configuration_.master_registers;
-  if (index > 0) {
-    if (index > configuration_.nodes.size()) {
-      return 0;  // the list ends where the stored address is not the index
-    }
-    id = configuration_.nodes[index - 1].id;
-    enabled = configuration_.nodes[index - 1].registers;
+  const auto entry = [index](std::uint32_t id, std::uint32_t enabled) {
+    return enabled << 16 | enabled << 8 | index << 4 | id;
+  };
+  if (index == 0) {
+    return entry(configuration_.master_id, configuration_.master_registers);
   }
-  return enabled << 16 | enabled << 8 | index << 4 | id;
+  std::uint32_t place = 0;
+  for (const TosnetNode& node : configuration_.nodes) {
+    if ((absent_ >> node.id & 1u) == 0 && ++place == index) {
+      return entry(node.id, node.registers);
+    }
+  }
+  return 0;  // the list ends where the stored address is not the index
 }
 
 BusReply Tosnet::read(std::uint32_t address, Clock now) {
@@ -181,14 +196,35 @@ BusStatus Tosnet::set(std::uint32_t address, std::uint32_t value, Clock now) {
   return BusStatus::ok;
 }
 
+BusStatus Tosnet::preset(std::uint32_t address, std::uint32_t value, Clock now) {
+  if (address >= map::memory_words || !writable(address)) {
+    seen_[address % map::memory_words] = value;
+    return set(address, value, now);
+  }
+  banks_[0][address] = banks_[1][address] = value;
+  return BusStatus::ok;
+}
+
 void Tosnet::set_online(bool online, Clock now) {
   advance(now);
   if (online && !online_) {
-    ++resets_;
-    halted_ = false;
-    skipped_ = 0;
+    restart();
   }
   online_ = online;
+}
+
+bool Tosnet::set_node(std::uint32_t id, bool present, Clock now) {
+  advance(now);
+  const auto& nodes = configuration_.nodes;
+  if (std::none_of(nodes.begin(), nodes.end(), [id](const TosnetNode& node) { return node.id == id; })) {
+    return false;
+  }
+  const std::uint32_t absent = present ? absent_ & ~(1u << id) : absent_ | 1u << id;
+  if (absent != absent_) {
+    absent_ = absent;
+    restart();
+  }
+  return true;
 }
 
 void Tosnet::damage_cycle(Clock now) {

@@ -66,11 +66,15 @@ class Tosnet final : public Bus {
   // The nodes' side: `get` reads the committed IN words, `set` writes the OUT words of nodes other than the PC's.
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+  BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) override;
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;
 
   // The network breaks (no strobes, ONLINE = 0, commits stay pending), or comes back (reset counter + 1).
   void set_online(bool online, Clock now);
+  // A node leaves the ring, or comes back. The others find their ring anew (reset counter + 1). Meanwhile the PC reads
+  // the node's last words. False: there is no such node.
+  bool set_node(std::uint32_t id, bool present, Clock now);
   // A cycle is damaged: error counter + 1, PCKERR until the next cycle.
   void damage_cycle(Clock now);
 
@@ -83,6 +87,7 @@ class Tosnet final : public Bus {
   using Bank = std::array<std::uint32_t, protocol::tosnet::memory_words>;
 
   void show();
+  void restart();
   [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
   [[nodiscard]] std::uint32_t status() const noexcept;
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
@@ -99,6 +104,7 @@ class Tosnet final : public Bus {
   std::uint32_t resets_ = 0;
   std::uint32_t errors_ = 0;
   std::uint32_t skipped_ = 0;
+  std::uint32_t absent_ = 0;  // bit i: the node with the id i has left
   bool online_ = true;
   bool halted_ = false;
   bool damaged_ = false;

@@ -6,12 +6,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from unitylink.connection.schemes import scheme_of
+from unitylink.connection.schemes import Device, scheme_of
 from unitylink.errors import UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link, check_url
+
+if TYPE_CHECKING:
+    from unitylink.simulate import BoardState
 
 _RECONNECT = re.compile(r"[?&]reconnect=")
 _TIME = re.compile(r"[?&]time=")
@@ -22,6 +25,7 @@ def connect(
     *,
     reconnect: bool | Literal["auto"] | None = None,
     time: Literal["real", "lockstep"] | None = None,
+    state: BoardState | None = None,
 ) -> Link:
     """Return an open Link to the device that `url` names.
 
@@ -50,6 +54,9 @@ def connect(
     With `time="lockstep"`, or `time=lockstep` in the URL, the time of a virtual board goes in steps. It
     passes only while a call waits, as `Link.step` does (docs/lockstep.md).
 
+    `state=link.board.save()` makes a virtual board that goes on from the state of another one
+    (docs/lockstep.md).
+
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. All others have
     `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's buffers),
     `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`, or `none` for gateware without checksums, which
@@ -70,9 +77,11 @@ def connect(
                 f"link URL {url!r}: time={time} is for virtual boards; the time of hardware passes"
             )
         url = _with(url, "time", time, _TIME)
+    if state is not None and not scheme.virtual:
+        raise UrlError(f"link URL {url!r}: a state is for virtual boards; hardware has its own")
     if scheme.make is None:
         return Link(url)
-    device, driver_url = scheme.make(url)
+    device, driver_url = scheme.make(url) if state is None else _restored(url, state)
     try:
         link = Link(driver_url)
     except UrlError as error:
@@ -84,7 +93,15 @@ def connect(
     link.url = url
     link.board = device if scheme.virtual else None
     link.call_on_close(device.close)
+    if state is not None:
+        link.board.go_on()
     return link
+
+
+def _restored(url: str, state: BoardState) -> tuple[Device, str]:
+    from unitylink.simulate import simulated_board
+
+    return simulated_board(url, state)
 
 
 def check_link(url: str) -> None:

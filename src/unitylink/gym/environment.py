@@ -16,6 +16,7 @@ from unitylink.connection.schemes import scheme_of
 from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import ReadValue, Value, ValueGroup, WriteValue, load_spec_objects
+from unitylink.simulate import BoardState
 from unitylink.spec import load
 
 from .channel import Channel, is_number
@@ -33,6 +34,20 @@ class Task:
     done: Callable[[Values], bool] | None = None
     home: Callable[[Any], object] | None = None
     most_steps: int | None = None
+
+
+@dataclass(frozen=True)
+class EnvironmentState:
+    """A moment of an episode on a virtual board: `RobotEnvironment.save` makes it."""
+
+    board: BoardState
+    seen: Numbers
+    written: Values
+    steps: int
+    clipped: int
+    missed: int
+    time_s: float  # since the episode began
+    late_s: float  # since the last period ended
 
 
 class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
@@ -102,6 +117,35 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         """Close the link. It may be called twice."""
         self._shut()
 
+    # ---- beside Gymnasium: a moment that one comes back to
+
+    def save(self) -> EnvironmentState:
+        """Return this moment of the episode. Raises UnityLinkError: on hardware, and as `Board.save` does."""
+        link = self._now()
+        if not self._virtual:
+            raise UnityLinkError("a robot of hardware cannot go back, so there is no state to save")
+        now_s = link.now_s()
+        return EnvironmentState(
+            link.board.save(),
+            np.array(self._last),
+            dict(self._written),
+            self._steps,
+            self._clipped,
+            self._missed,
+            now_s - self._begun_s,
+            now_s - self._due_s,
+        )
+
+    def restore(self, state: EnvironmentState) -> tuple[Numbers, dict[str, Any]]:
+        """Go on from a moment of this environment or of another one with the same board."""
+        self._shut()
+        self._open(0, state.board)
+        now_s = self._now().now_s()
+        self._begun_s, self._due_s = now_s - state.time_s, now_s - state.late_s
+        self._steps, self._clipped, self._missed = state.steps, state.clipped, state.missed
+        self._written, self._last = dict(state.written), np.array(state.seen)
+        return np.array(self._last), self._facts()
+
     # ---- the parts of a step: of a vector, many begin, one waits, and all finish
 
     def begin(self, action: Numbers) -> None:
@@ -156,10 +200,10 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         """The objects of the spec, as of `load_spec_objects`. A virtual board has new ones each time."""
         return self._robot
 
-    def _open(self, seed: int) -> None:
+    def _open(self, seed: int, state: BoardState | None = None) -> None:
         if self._virtual:
             joined = "&" if "?" in self._url else "?"
-            self._link = connect(f"{self._url}{joined}seed={seed}", time="lockstep")
+            self._link = connect(f"{self._url}{joined}seed={seed}", time="lockstep", state=state)
         else:
             self._link = connect(self._url)
         try:

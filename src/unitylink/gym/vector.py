@@ -14,7 +14,7 @@ from gymnasium.vector.utils import batch_space
 
 from unitylink.errors import UnityLinkError
 
-from .environment import Numbers, RobotEnvironment
+from .environment import EnvironmentState, Numbers, RobotEnvironment
 
 Flags = npt.NDArray[np.bool_]
 
@@ -82,6 +82,19 @@ class RobotVector(gymnasium.vector.VectorEnv[Numbers, Numbers, npt.NDArray[Any]]
             facts = self._add_info(facts, told, index)
         self._over = done | truncated
         return np.array(seen), rewards, done, truncated, facts
+
+    def save(self) -> list[EnvironmentState]:
+        """Return this moment of all episodes."""
+        return [each.save() for each in self.environments]
+
+    def restore(self, states: Sequence[EnvironmentState]) -> Numbers:
+        """Go on from a moment of as many environments. Return what was seen there."""
+        if len(states) != self.num_envs:
+            raise UnityLinkError(f"{len(states)} states for {self.num_envs} environments")
+        self._over[:] = False
+        return np.array(
+            [each.restore(state)[0] for each, state in zip(self.environments, states, strict=True)]
+        )
 
     def close_extras(self, **_: Any) -> None:
         """Close all links."""

@@ -10,6 +10,7 @@ from .interrupt import InterruptProxy
 from .memory import MemoryProxy
 from .proxy import HardwareProxy
 from .tosnet import TosNetNode, TosNetProxy, TosNetRegister, TosNetWords
+from .tosnet_events import NetworkEvent, NetworkWatch
 from .tosnet_status import NetworkNode, TosNetCounters, TosNetStatus
 
 __all__ = [
@@ -20,7 +21,9 @@ __all__ = [
     "HardwareProxy",
     "InterruptProxy",
     "MemoryProxy",
+    "NetworkEvent",
     "NetworkNode",
+    "NetworkWatch",
     "TosNetCounters",
     "TosNetNode",
     "TosNetProxy",

@@ -3,15 +3,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from unitylink import protocol
-from unitylink.errors import DeviceMismatch, LinkTimeout, NetworkError, ValueRangeError, shown
+from unitylink.errors import (
+    DeviceMismatch,
+    LinkTimeout,
+    NetworkError,
+    NetworkHalted,
+    NetworkOffline,
+    ValueRangeError,
+    shown,
+)
 
-from .arguments import at, whole
+from .arguments import at, positive, whole
 from .committed import CommittedProxy
 from .tosnet_async import TosNetAsync
+from .tosnet_events import NetworkCallback, NetworkListener, NetworkWatch, lost
 from .tosnet_status import NetworkNode, TosNetCounters, TosNetStatus
 
 if TYPE_CHECKING:
@@ -78,6 +87,27 @@ class TosNetProxy(CommittedProxy):
         words = self.control.read_many(range(first, first + NODES))
         return NetworkNode.decode_list([int(word) for word in words])
 
+    def check_nodes(self, *node_ids: int) -> None:
+        """Raise NodeLost if one of these nodes is not in the ring. The error names all that are not."""
+        there = {node.node_id for node in self.nodes()}
+        if missing := sorted({whole("tosnet: node", node) for node in node_ids} - there):
+            raise lost(missing, self.base + protocol.TOSNET_NETWORK_REGISTERS)
+
+    def watch(self, nodes: Iterable[int] = ()) -> NetworkWatch:
+        """Return a watch. Its `look()` tells what has happened. `nodes` are the ids that should be there."""
+        return NetworkWatch(self, nodes)
+
+    def on_event(
+        self, callback: NetworkCallback, *, nodes: Iterable[int] = (), period_s: float = 0.1
+    ) -> Callable[[], None]:
+        """Call `callback(event)` when the network is cut or mended, halts, loses a node or gets one back.
+
+        The network is looked at every `period_s`, in a thread of its own. Call the result to end this.
+
+        >>> end = network.on_event(lambda event: print(event.kind, event.text))   # doctest: +SKIP
+        """
+        return NetworkListener(self.watch(nodes), callback, positive("tosnet: period_s", period_s)).close
+
     def async_send(self, node_id: int, data: bytes, *, timeout_s: float = 0.5) -> None:
         """Send bytes to a node (0 = all) over the asynchronous channel.
 
@@ -128,7 +158,8 @@ class TosNetProxy(CommittedProxy):
         what = "is halted until its reset" if status.system_halt else "is offline"
         pending = committed and status.commit_pending
         effect = "this write takes effect when it is back" if pending else "outputs take no effect"
-        return NetworkError(
+        kind = NetworkHalted if status.system_halt else NetworkOffline
+        return kind(
             f"the TosNet network {what} ({status}); {effect}", address=self.base + protocol.TOSNET_STATUS
         )
 

@@ -18,6 +18,7 @@ from .plant import DEFAULT_PLANT, PLANTS, Plant, load_plant
 from .plants import Echo, LoopbackPlant, Ramp, RampPlant, ScaraPlant, WordPlant
 from .registers import Registers
 from .simulated import simulated_board
+from .state import BoardState
 
 __all__ = [
     "DEFAULT_PLANT",
@@ -26,6 +27,7 @@ __all__ = [
     "BoardComponent",
     "BoardComponents",
     "BoardConfiguration",
+    "BoardState",
     "BoardStatistics",
     "BoardValues",
     "DoubleBufferConfiguration",

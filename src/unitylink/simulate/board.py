@@ -24,6 +24,7 @@ from .plant import AnyPlant, check_plant
 from .plants.ramp import RampPlant
 from .plants.words import WordPlant
 from .registers import Registers
+from .state import BoardState, restore_plant, saved_addresses, saved_plant
 
 _log = logging.getLogger(__name__)
 _open: set[Board] = set()
@@ -68,6 +69,8 @@ class Board:
     Without a plant, a board with a spec gets `RampPlant`. The components of the spec behave as in the FPGA.
     Their outside is `components`.
 
+    With a `state`, which `save` of another board made, it goes on from there. Its plant waits for `go_on`.
+
     Raises ValueRangeError (for the configuration), LinkNotFound (the endpoint cannot be made) or
     UnityLinkError (for the plant).
     """
@@ -80,6 +83,7 @@ class Board:
         plant: AnyPlant | None = None,
         endpoint: str = "fd",
         bind: str = "127.0.0.1",
+        state: BoardState | None = None,
     ) -> None:
         if configuration is None:
             configuration = BoardConfiguration.for_spec(spec) if spec is not None else BoardConfiguration()
@@ -96,8 +100,11 @@ class Board:
         self._closed = False
         if spec is not None:
             self._power_up(spec)
+        self._state = state
         if plant is not None:
             self._attach(plant)
+        if state is not None:
+            self._native.hold_plant()
         self._native.start()
         _open.add(self)
 
@@ -124,6 +131,8 @@ class Board:
             raise
         except Exception as error:
             raise UnityLinkError(f"{name}.attach(): {type(error).__name__}: {error}") from error
+        if self._state is not None:
+            self._take_over(plant, self._state)
         watch = ChangeWatch(self.spec, self.registers, self._native.pulse_event) if self.spec else None
         if isinstance(plant, WordPlant) and not watch:
             self._native.set_word_plant(plant.period_s, plant.ramps, plant.echoes)
@@ -149,6 +158,30 @@ class Board:
             return True
 
         self._native.set_plant(plant.period_s, guarded)
+
+    def _take_over(self, plant: AnyPlant, state: BoardState) -> None:
+        if list(state.words) != saved_addresses(self.spec):
+            raise UnityLinkError("the state is of a board with another spec")
+        restore_plant(plant, state.plant, self.registers)
+        for address, word in state.words.items():
+            if not self._native.preset(address, word):
+                raise UnityLinkError(f"the word at {address:#06x} of the state cannot be set in this board")
+
+    def save(self) -> BoardState:
+        """Return the state of words and plant (docs/lockstep.md). `connect(url, state=...)` goes on from it.
+
+        Raises UnityLinkError for what is not saved: components, FIFOs, and a plant that cannot be copied.
+        """
+        addresses = saved_addresses(self.spec)
+        words = dict(zip(addresses, self.registers.read_many(addresses), strict=True))
+        if self.plant is None:
+            raise UnityLinkError("a board without a plant has no state to save")
+        return BoardState(words, saved_plant(self.plant, self.registers), self._native.plant_phase)
+
+    def go_on(self) -> None:
+        """Let the plant of a board with a `state` make its steps, in the rhythm of the other board."""
+        if self._state is not None and self._state.phase is not None:
+            self._native.release_plant(*self._state.phase)
 
     @property
     def url(self) -> str:
@@ -209,6 +242,16 @@ class Board:
     def set_online(self, online: bool) -> None:
         """Break the TosNet network, or mend it. Meanwhile nothing is exchanged, and commits stay pending."""
         self._native.set_online(online)
+
+    def set_node(self, node: int, present: bool) -> None:
+        """Let a node of the TosNet network leave, or come back. The others find their ring anew.
+
+        While it is away, its words do not change for the PC.
+        """
+        if not (0 <= node < 16 and self._native.set_node(node, present)):
+            raise ValueRangeError(
+                f"node {node}: the board has no TosNet with such a node beside the PC's own"
+            )
 
     def damage_cycle(self) -> None:
         """Let one TosNet cycle arrive damaged. The error counter counts it, and PCKERR is set for one

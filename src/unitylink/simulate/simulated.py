@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from typing import Union
+from collections.abc import Callable
+from typing import NamedTuple, Union
 from urllib.parse import parse_qsl, quote, urlencode
 
 from unitylink import _native
@@ -16,6 +17,7 @@ from unitylink.spec.model import Spec
 
 from .board import Board
 from .plant import DEFAULT_PLANT, AnyPlant, load_plant
+from .state import BoardState
 
 # A board in this process is silent only if the machine is too busy to run it. A second of a bitstream takes
 # half a minute.
@@ -25,7 +27,14 @@ _Settings = dict[str, Union[int, str]]
 _ASKED_FOR = ("spi", "rs485")  # physical layers that never send by themselves
 
 
-def simulated_board(url: str) -> tuple[Board, str]:
+class _Start(NamedTuple):
+    """Where a board can be reached, and the state that it goes on from."""
+
+    endpoint: str
+    state: BoardState | None
+
+
+def simulated_board(url: str, state: BoardState | None = None) -> tuple[Board, str]:
     """Make the board of `sim:SPEC.ul?plant=NAME&…`. Return it with the URL for a link to it.
 
     With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl). With `bit:`, its bitstream
@@ -35,6 +44,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, `seed=NUMBER` (for a plant that has `seed(number)`), and every
     setting that a URL may change (docs/settings.md). All others are the link's. Its `timeout=` is 1 here.
+    With a `state` of another board, this one goes on from it, and its plant waits for `go_on`.
     With `time=lockstep`, time goes in steps (docs/lockstep.md). With `reconnect=1`, the board is reached over
     TCP on this computer. For tests,
     `link.board.hang_up()` breaks this line. Close the board after the link.
@@ -50,7 +60,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
         if lasts:
             raise UrlError(f"{url!r}: a line in steps is never lost; leave out reconnect= or time=lockstep")
         endpoint = "lockstep"
-    board = _KINDS[kind](url, path, options, settings, endpoint)
+    board = _KINDS[kind](url, path, options, settings, _Start(endpoint, state))
     options.setdefault("timeout", _TIMEOUT_S[kind])
     if board.configuration.protocol == "framed":  # a request in text would only cost time
         options.setdefault("protocol", "framed")
@@ -131,18 +141,33 @@ def _needs_vhdl(spec: Spec) -> bool:
     return any(one.sources and not _native.has_component_model(one.entity) for one in placed_components(spec))
 
 
-def _twin(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
-    if _needs_vhdl(_spec_in(url, path, options)):
-        return _gateware(url, path, options, settings, endpoint)
-    spec, plant = _spec_and_plant(url, path, options)
+def _twin(
+    url: str,
+    path: str,
+    options: dict[str, str],
+    settings: _Settings,
+    start: _Start,
+) -> Board:
+    spec = _spec_in(url, path, options)
+    if _needs_vhdl(spec):
+        return _gateware(url, path, options, settings, start)
+    plant = _plant_for(spec, url, options)
     configuration = BoardConfiguration.for_spec(spec, **settings)
-    return Board(spec, configuration=configuration, plant=plant, endpoint=endpoint)
+    return Board(spec, configuration=configuration, plant=plant, endpoint=start.endpoint, state=start.state)
 
 
-def _gateware(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+def _gateware(
+    url: str,
+    path: str,
+    options: dict[str, str],
+    settings: _Settings,
+    start: _Start,
+) -> Board:
     from .rtl import RtlBoard, rtl_configuration  # here, because it loads the generator and the compilers
 
-    spec, plant = _spec_and_plant(url, path, options)
+    _check_fresh(url, start)
+    spec = _spec_in(url, path, options)
+    plant = _plant_for(spec, url, options)
     physical = settings.get("physical", told_physical(spec))
     if physical in _ASKED_FOR:
         raise UrlError(
@@ -151,24 +176,37 @@ def _gateware(url: str, path: str, options: dict[str, str], settings: _Settings,
         )
     configuration = rtl_configuration(spec, **settings)
     steps = options.pop("trace_program", "")
-    return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint, trace_program=steps)
+    return RtlBoard(
+        spec, configuration=configuration, plant=plant, endpoint=start.endpoint, trace_program=steps
+    )
 
 
-def _bitstream(url: str, path: str, options: dict[str, str], settings: _Settings, endpoint: str) -> Board:
+def _bitstream(
+    url: str,
+    path: str,
+    options: dict[str, str],
+    settings: _Settings,
+    start: _Start,
+) -> Board:
     from .bit.link import (
         Wish,
         bit_board,
         names_spec,
     )  # here, because it loads the generator and the compilers
 
+    _check_fresh(url, start)
     own = options.pop("spec", None)
     file = path if names_spec(path) else own
     spec = None if file is None else _spec_in(url, file, options)
-    return bit_board(Wish(url, path, options, settings), spec, endpoint)
+    return bit_board(Wish(url, path, options, settings), spec, start.endpoint)
 
 
-def _spec_and_plant(url: str, path: str, options: dict[str, str]) -> tuple[Spec, AnyPlant]:
-    spec = _spec_in(url, path, options)
+def _check_fresh(url: str, start: _Start) -> None:
+    if start.state is not None:
+        raise UrlError(f"{url!r}: only the twin goes on from a state; compiled gateware begins at its reset")
+
+
+def _plant_for(spec: Spec, url: str, options: dict[str, str]) -> AnyPlant:
     options.pop("root", None)
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     seed = options.pop("seed", None)
@@ -177,7 +215,8 @@ def _spec_and_plant(url: str, path: str, options: dict[str, str]) -> tuple[Spec,
             raise UrlError(f"{url!r}: seed={seed} is not a whole number from 0")
         if hasattr(plant, "seed"):  # others are the same each time
             plant.seed(int(seed))
-    return spec, plant
+    return plant
 
 
-_KINDS = {"sim": _twin, "rtl": _gateware, "bit": _bitstream}
+_Maker = Callable[[str, str, dict[str, str], _Settings, _Start], Board]
+_KINDS: dict[str, _Maker] = {"sim": _twin, "rtl": _gateware, "bit": _bitstream}

@@ -173,3 +173,31 @@ def test_a_number_without_limits_cannot_be_an_action(made: Made, tmp_path: Path)
         made(url=f"sim:{tmp_path / 'wide.ul'}")
     with pytest.raises(UnityLinkError, match="does not name the spec"):
         made(url="tcp://127.0.0.1:1")
+
+
+def test_an_episode_goes_on_from_a_state(made: Made) -> None:
+    env = made(most_steps=12)
+    env.reset(seed=4)
+    for turn in range(5):
+        env.step(np.array([turn - 2.0, 0.3]))
+    state = env.save()
+
+    def rest(env: RobotEnvironment) -> list[object]:
+        seen: list[object] = []
+        for turn in range(7):
+            numbers, reward, _, over, facts = env.step(np.array([turn - 3.0, 9.0]))
+            seen.append((numbers.tolist(), reward, over, round(facts["time_s"], 6), facts["clipped"]))
+        return seen
+
+    went_on = rest(env)
+    seen, facts = env.restore(state)
+    assert seen.tolist() == state.seen.tolist()
+    assert facts["time_s"] == pytest.approx(state.time_s, abs=1e-8)
+    assert rest(env) == went_on
+    assert went_on[-1][2]  # type: ignore[index]  # truncated after the same step
+    env.close()
+    other = made(most_steps=12)
+    other.restore(state)
+    assert rest(other) == went_on
+    with pytest.raises(UnityLinkError, match="environment is closed"):
+        env.save()

@@ -81,3 +81,16 @@ def test_what_is_wrong_is_told(url: str, vector: RobotVector) -> None:
         unitylink.gym.make_vector(url, 0, dt_s=0.02, reward=near_the_middle)
     with pytest.raises(UnityLinkError, match="2 seeds for 5"):
         vector.reset(seed=[1, 2])
+
+
+def test_all_go_back_together(vector: RobotVector) -> None:
+    vector.reset(seed=6)
+    vector.step(pushed(0))
+    states = vector.save()
+    went_on = vector.step(pushed(1))
+    seen = vector.restore(states)
+    assert vector.observation_space.contains(seen)
+    again = vector.step(pushed(1))
+    np.testing.assert_allclose(again[0], went_on[0], atol=2e-4)
+    with pytest.raises(UnityLinkError, match=f"1 states for {COUNT}"):
+        vector.restore(states[:1])

@@ -174,3 +174,18 @@ def test_a_urdf_is_a_model_too(files: Path) -> None:
     with robot(files) as (link, arm):
         link.step(0.2)
         assert arm.shoulder.position.read() > 1.0  # it falls
+
+
+def test_another_board_goes_on_from_the_state_of_a_model(files: Path) -> None:
+    url = f"sim:{files / 'arm.ul'}?plant=mujoco:{files / 'arm.xml'}"
+    with robot(files) as (link, arm):
+        arm.shoulder.target.write(30.0)
+        link.step(0.05)
+        state = link.board.save()
+        link.step(0.05)
+        went_on = link.board.plant.data.qpos.tolist(), arm.shoulder.position.read()
+    for _ in range(2):
+        with connect(url, time="lockstep", state=state) as link:
+            link.step(0.05)
+            arm = load_spec_objects(load(files / "arm.ul"), link)
+            assert (link.board.plant.data.qpos.tolist(), arm.shoulder.position.read()) == went_on

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 import mujoco  # type: ignore[import-untyped]
 import numpy as np
@@ -115,6 +116,18 @@ class MujocoPlant:
         self._begun = True
         self._check(time_s)
         self._show()
+
+    def save(self) -> object:
+        """Return all that the next steps depend on."""
+        kind = mujoco.mjtState.mjSTATE_INTEGRATION
+        numbers = np.empty(mujoco.mj_stateSize(self.model, kind))
+        mujoco.mj_getState(self.model, self.data, numbers, kind)
+        return self._begun, numbers
+
+    def restore(self, state: Any) -> None:
+        """Go on from what `save` has returned, of this model."""
+        self._begun, numbers = state
+        mujoco.mj_setState(self.model, self.data, numbers, mujoco.mjtState.mjSTATE_INTEGRATION)
 
     def _show(self) -> None:
         for row, where, indices in self._rows:

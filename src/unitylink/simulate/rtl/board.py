@@ -15,6 +15,7 @@ from unitylink.spec.model import Spec
 
 from ..board import Board
 from ..plant import AnyPlant
+from ..state import BoardState
 from .build import Progress, build_model
 from .design import RtlDesign, RtlModel, design_of
 from .trace import traceable
@@ -54,9 +55,19 @@ class ModelBoard(Board):
     def _power_up(self, spec: Spec) -> None:
         """Do nothing, because the design's reset sets the initial values of the spec."""
 
+    def save(self) -> BoardState:
+        """Raise UnityLinkError, because the state of compiled gateware cannot be read out."""
+        raise UnityLinkError(
+            "the state of compiled gateware is not saved; save that of the twin (sim:), which does the same"
+        )
+
     def set_online(self, online: bool) -> None:
         """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
+
+    def set_node(self, node: int, present: bool) -> None:
+        """Raise UnityLinkError, because only the twin has a model of the network."""
+        raise UnityLinkError("no node of the gateware's network leaves from here; the twin's can: use `sim:`")
 
     def damage_cycle(self) -> None:
         """Raise UnityLinkError, because only the twin has a model of the network."""
