@@ -27,11 +27,12 @@ package tosnet_pkg is
   -- The PC's own node may write its IN and OUT words, and the IN words of all others.
   function is_writable (address : tosnet_address_t; master_id : natural) return boolean;
 
-  -- The network registers: the nodes of the ring, from its master on.
+  -- The network registers: the nodes of the ring, from its master on. They are zero if they are not `known`.
   function network_registers (
     master_id        : natural;
     master_registers : std_ulogic_vector(7 downto 0);
-    nodes            : tosnet_node_vector_t
+    nodes            : tosnet_node_vector_t;
+    known            : boolean
   ) return word_vector_t;
 
   -- Finds a wrong address in `some`: one that occurs twice, one that the PC may not write if `writable` is true, or one
@@ -59,11 +60,15 @@ package body tosnet_pkg is
   function network_registers (
     master_id        : natural;
     master_registers : std_ulogic_vector(7 downto 0);
-    nodes            : tosnet_node_vector_t
+    nodes            : tosnet_node_vector_t;
+    known            : boolean
   ) return word_vector_t is
     variable result : word_vector_t(0 to 15) := (others => (others => '0'));
     variable index  : natural range 0 to 16  := 1;
   begin
+    if not known then
+      return result;
+    end if;
     result(0) := network_register(0, master_id, master_registers);
     for place in nodes'range loop
       if index < 16 then

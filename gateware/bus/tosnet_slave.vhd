@@ -21,13 +21,12 @@
 --           write_addresses and read_addresses exist. Words that no node reads are kept for the PC. Words that no node
 --           gives are zero.
 -- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or
---           the gateware starts again. Use it to bring outputs to a safe state.
+--           the gateware starts again.
 -- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait.
 --           One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring: network_cycle is high
 --           for one clock when new read_words are there, and the network registers are those of its table.
 -- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
---           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that has just
---           arrived.
+--           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that just arrived.
 -- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select
 --           all bytes by sel, and a full or empty asynchronous queue. Such an access changes only the error bits of the
 --           status.
@@ -96,7 +95,8 @@ architecture rtl of tosnet_slave is
 
   constant writes    : natural := write_addresses'length;
   constant reads     : natural := read_addresses'length;
-  constant ring      : word_vector_t(0 to 15) := network_registers(master_id, master_registers, nodes);
+  constant ring      : word_vector_t(0 to 15)
+    := network_registers(master_id, master_registers, nodes, known => cycle_clocks > 0);
   constant write_map : tosnet_address_vector_t(0 to writes - 1) := write_addresses;
   constant read_map  : tosnet_address_vector_t(0 to reads - 1)  := read_addresses;
 
@@ -132,8 +132,7 @@ architecture rtl of tosnet_slave is
   signal word         : word_t;
   signal memory_word  : word_t;
 
-  -- The banks. The PC writes one bank of each pair, and the nodes see the other. `banks` holds them for the PC, and
-  -- registers hold them for the nodes.
+  -- The PC writes one bank of a pair, and the nodes see the other. `banks` is for the PC, registers for the nodes.
   signal banks         : banks_t;
   signal bank          : std_ulogic;
   signal write_bank    : std_ulogic := '0';
@@ -175,14 +174,12 @@ begin
     report "tosnet_slave: read_addresses(" & integer'image(misfit(read_map, master_id, false) - 1)
            & ") is there twice, or the PC's to write"
     severity failure;
-  assert nodes'length <= 15
-    report "tosnet_slave: a ring has at most 15 nodes beside its master"
-    severity failure;
+  assert nodes'length <= 15 report "tosnet_slave: a ring has at most 15 nodes beside its master" severity failure;
 
   address    <= unsigned(wishbone_m2s.adr(10 downto 0));
   within     <= '1' when unsigned(wishbone_m2s.adr(31 downto 11)) = 0 else '0';
   is_memory  <= within and not address(10);
-  may_write  <= '1' when address(tosnet_in_bit_c) = '1' or address(9 downto tosnet_node_shift_c) = master_id else '0';
+  may_write  <= address(tosnet_in_bit_c) or to_bit(address(9 downto tosnet_node_shift_c) = master_id);
   asked      <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not clearing
                 and (not rx_pending or rx_valid);
   store      <= whole_write and is_memory and may_write and exists;
@@ -273,8 +270,8 @@ begin
         others                             => '0');
       status(tosnet_status_node_id_shift_c + 3 downto tosnet_status_node_id_shift_c) :=
         std_ulogic_vector(to_unsigned(master_id, 4));
-      status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c) :=
-        std_ulogic_vector(own_address);
+      status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c)
+        := std_ulogic_vector(own_address);
 
       good  := '0';
       given := (others => '0');
@@ -294,9 +291,7 @@ begin
         elsif address = tosnet_error_counter_c then
           given := std_ulogic_vector(errors);
         elsif address(10 downto 4) = tosnet_network_registers_c / 16 then
-          if cycle_clocks > 0 then
-            given := ring(to_integer(address(3 downto 0)));
-          end if;
+          given := ring(to_integer(address(3 downto 0)));
         elsif address = tosnet_async_tx_status_c then
           given(6 downto 0) := not tx_ready & tx_control;
         elsif address = tosnet_async_rx_status_c then
@@ -404,8 +399,7 @@ begin
 
   tx_steer <= whole_write when address = tosnet_async_tx_control_c else '0';
   tx_valid <= whole_write and tx_ready when address = tosnet_async_tx_data_c else '0';
-  rx_take  <= '1' when asked = '1' and wishbone_m2s.we = '0' and within = '1' and
-                       address = tosnet_async_rx_data_c else '0';
+  rx_take  <= asked and within and not wishbone_m2s.we and to_bit(address = tosnet_async_rx_data_c);
 
   channel : if async_depth > 0 generate
 

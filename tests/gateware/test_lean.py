@@ -96,3 +96,11 @@ def test_wires_in_a_loop_are_left_alone(kind: str) -> None:
     looped = ring.format("~b", "~a") if kind == "~" else ring.format("b & b", "a & a")
     text = "module ring\n  (output [3:0] q);\n" + looped + "  assign q = {a, b, a, b};\nendmodule\n"
     assert "assign q = {a, b, a, b};" in lean(text)
+
+
+def test_a_wire_that_is_said_to_be_itself_is_left_out() -> None:
+    """GHDL says so of a signal of a generate statement that an instance drives."""
+    text = HOLDS.replace(
+        "  assign kept = n3_q;", "  assign reset = reset; // (signal)\n  assign kept = n3_q;"
+    )
+    assert lean(text) == lean(HOLDS)

@@ -87,7 +87,8 @@ def _node_files(design: Plan) -> dict[str, str]:
     template = environment(_HERE).get_template("node.vhd.jinja")
     nodes = design.tosnet.ring if design.tosnet else ()
     return {
-        f"{FOLDER}/{design.name}_node_{node.id}.vhd": template.render(plan=design, node=node) for node in nodes
+        f"{FOLDER}/{design.name}_node_{node.id}.vhd": template.render(plan=design, node=node)
+        for node in nodes
     }
 
 

@@ -46,9 +46,7 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | No
         reads=tuple(Wire(n, words.read[address], None) for n, address in enumerate(reads)),
         writes=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(writes)),
         lines=() if tosnet.event_group is None else (tosnet.event_group,),
-        ring=tuple(
-            _node(number, node, tosnet, words, spec) for number, node in enumerate(tosnet.nodes, 1)
-        )
+        ring=tuple(_node(number, node, tosnet, words, spec) for number, node in enumerate(tosnet.nodes, 1))
         if tosnet.ring
         else (),
     )
