@@ -129,7 +129,7 @@ def ring_of(elements: Iterable[Element]) -> Ring:
             node = nodes.setdefault(word.node, RingNode(word.node))
             node.registers |= 1 << word.register
             values = node.obeys if word.inward else node.gives
-            if element not in values:
+            if not values or values[-1] is not element:
                 values.append(element)
     if own is None:
         writes = [n.id for n in nodes.values() if any(element.access == "WRITE" for element in n.gives)]

@@ -20,6 +20,8 @@ _SLOWEST_HZ = 1e6 / protocol.TOSNET_RING_WATCHDOG_US
 
 def check_rings(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
     """Report rings that cannot be, and publishes that a ring has no new values for."""
+    if not any(one.element.link.kind == "tosnet" for one in resolver.placed):
+        return
     for device in devices(tuple(resolver.roots), links):
         for root in (one for one in resolver.roots if one.name == device.root):
             _check_one_description(root, device, resolver, reporter)
