@@ -110,7 +110,7 @@ class _Check:
         if wanted > highest:
             message = f"the ring makes at most {highest:,} cycles a second, and CYCLE_RATE is {wanted:,} Hz"
             hint = (
-                f"{self.budget.registers} registers of {self.ring.size} nodes take "
+                f"{self.ring.registers} registers of {self.ring.size} nodes take "
                 f"{self.budget.shortest_s * 1e6:.1f} us at {self.budget.baud_hz:,} baud: "
                 "use fewer registers, or raise BAUD"
             )
