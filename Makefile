@@ -3,6 +3,8 @@
 #   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself,
 #                CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
+#   make demo-learn   an arm learns to reach on the twin in MuJoCo, then the policy drives the VHDL, and its line is
+#                cut on the way (about four minutes)
 #   make demo-serve   the SCARA moves, and its page in the browser shows it; prints the page's URL (SECONDS=20: so long)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
@@ -56,9 +58,9 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format \
-	long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh \
-	page demo-serve help
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-ros test \
+	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
+	fresh page demo-serve help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -87,6 +89,11 @@ demo-pa10: $(VENV)/.built
 	@tools/setup.sh group demo
 	@$(if $(RTL),tools/setup.sh rtl)
 	$(BIN)/python examples/pa10/run.py $(if $(RTL),--rtl) --picture build/pa10.png
+
+demo-learn: $(VENV)/.built
+	@tools/setup.sh group all
+	@tools/setup.sh rtl
+	$(BIN)/python examples/reach/run.py --rtl --picture build/reach.png
 
 demo-serve: $(VENV)/.built
 	@tools/setup.sh group all

@@ -38,6 +38,17 @@ def script_of(page: str) -> str:
     ("page", "says"),
     [
         ("own-plant.md", ("x.target = 0.524 rad", "x.position=", "there: 60 deg", "2 passed")),
+        pytest.param(
+            "learn.md",
+            (
+                "motors: shoulder",
+                "shoulder.position=",
+                "generation 9: -0.",
+                "cut: over at step 50: ",
+                "whole: ",
+            ),
+            marks=pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11"),
+        ),
         (
             "own-board.md",
             ("without a fault", "told by the device", "x.position is now 300", "read x.position"),

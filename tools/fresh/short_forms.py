@@ -9,6 +9,7 @@ SHORT_FORMS = {
     "demo": "",
     "demo-walker": "RTL=1",  # what the gateware's own VHDL needs, too
     "demo-pa10": "",
+    "demo-learn": "",
     "demo-ros": "",
     "demo-serve": "SECONDS=3",
     "page": "CHECK=1",

@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 
 def ring_fields(ring: RingBudget) -> list[tuple[str, str]]:
     """Return names and values of what a ring costs."""
-    others = ", ".join(map(str, ring.nodes)) or "none"
-    size = 1 + len(ring.nodes)
+    own, *others = (node.id for node in ring.nodes)
+    names = ", ".join(map(str, others)) or "none"
+    registers = sum(len(node.registers) for node in ring.nodes)
+    size = len(ring.nodes)
     slower = f", {shown_time(ring.shortest_s)} at best" if ring.cycle_s > ring.shortest_s else ""
     return [
-        ("ring", f"the PC's own node {ring.own}, nodes {others}; {ring.registers} registers of 32 bytes"),
+        ("ring", f"the PC's own node {own}, others {names}; {registers} registers of 32 bytes"),
         (
             "cycle",
             f"{shown_time(ring.cycle_s)}, {1 / ring.cycle_s:,.0f} Hz{slower}: {ring.cycle_bytes} bytes at "
@@ -33,6 +35,18 @@ def ring_fields(ring: RingBudget) -> list[tuple[str, str]]:
 def print_ring(ring: RingBudget) -> None:
     """Print the budget of a ring, with the age of what it publishes."""
     print_fields(ring_fields(ring), title=f"TosNet at 0x{ring.base:04X}")
+    click.echo()
+    shares = [
+        (
+            str(node.id),
+            ", ".join(map(str, node.registers)) or "none",
+            str(node.cycle_bytes),
+            str(len(node.gives)),
+            str(len(node.obeys)),
+        )
+        for node in ring.nodes
+    ]
+    print_table(("node", "registers", "bytes", "values given", "values obeyed"), shares, right=[0, 2, 3, 4])
     if ring.publishes:
         click.echo()
         rows = [(one.name, str(len(one.paths)), *_cells(one.sensor)) for one in ring.publishes]

@@ -48,9 +48,13 @@ class RingNode:
     obeys: list[Element] = field(default_factory=list)
 
     @property
-    def count(self) -> int:
-        """The number of enabled registers."""
-        return self.registers.bit_count()
+    def numbers(self) -> tuple[int, ...]:
+        """The enabled registers.
+
+        >>> RingNode(2, 0b101).numbers
+        (0, 2)
+        """
+        return tuple(number for number in range(8) if self.registers >> number & 1)
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Ring:
     @property
     def registers(self) -> int:
         """The enabled registers of all nodes."""
-        return self.own.count + sum(node.count for node in self.nodes)
+        return sum(len(node.numbers) for node in (self.own, *self.nodes))
 
     @property
     def baud_hz(self) -> int:
@@ -129,7 +133,7 @@ def ring_of(elements: Iterable[Element]) -> Ring:
             node = nodes.setdefault(word.node, RingNode(word.node))
             node.registers |= 1 << word.register
             values = node.obeys if word.inward else node.gives
-            if element not in values:
+            if not values or values[-1] is not element:
                 values.append(element)
     if own is None:
         writes = [n.id for n in nodes.values() if any(element.access == "WRITE" for element in n.gives)]

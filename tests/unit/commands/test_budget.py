@@ -48,7 +48,11 @@ def test_a_spec_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_ring(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["budget", str(SCARA), "--json"]) == 0
     ((ring,),) = (device["rings"] for device in json.loads(capsys.readouterr().out)["devices"])
-    assert (ring["own"], ring["nodes"], ring["registers"], ring["cycle_bytes"]) == (1, [2], 3, 114)
+    own, joints = ring["nodes"]
+    assert (own["id"], own["registers"], ring["cycle_bytes"]) == (1, [], 114)
+    assert (joints["id"], joints["registers"], joints["cycle_bytes"]) == (2, [0, 1, 2], 96)
+    assert joints["gives"] == [f"j{n}.{what}" for n in range(1, 5) for what in ("cpos", "spd")]
+    assert joints["obeys"] == [f"j{n}.{what}" for n in range(1, 5) for what in ("pos_sp", "spd_sp")]
     assert ring["publishes"][0]["sensor"] == {"typical_s": None, "bound_s": None}  # no baud rate
     slow = tmp_path / "slow.ul"
     slow.write_text("public net(u) { TOSNET(COMM=u, CYCLE_RATE=1 kHz); @a = 0x80: READ(); }")
@@ -64,7 +68,7 @@ def test_the_ring_of_a_device(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info", f"sim:{SCARA}", "--json"]) == 0
     (network,) = json.loads(capsys.readouterr().out)["networks"].values()
     assert [node["node_id"] for node in network["nodes"]] == [1, 2]
-    assert network["budget"]["nodes"] == [2]
+    assert [node["id"] for node in network["budget"]["nodes"]] == [1, 2]
 
 
 def test_the_pc_is_node_0_where_another_is_node_1(capsys: pytest.CaptureFixture[str]) -> None:
@@ -72,4 +76,4 @@ def test_the_pc_is_node_0_where_another_is_node_1(capsys: pytest.CaptureFixture[
     assert main(["info", f"sim:{walker}", "--json"]) == 0
     (network,) = json.loads(capsys.readouterr().out)["networks"].values()
     assert [node["node_id"] for node in network["nodes"]] == [0, 1, 2, 3, 4, 5, 6]
-    assert network["budget"]["own"] == 0
+    assert network["budget"]["nodes"][0]["id"] == 0

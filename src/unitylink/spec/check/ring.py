@@ -20,6 +20,8 @@ _SLOWEST_HZ = 1e6 / protocol.TOSNET_RING_WATCHDOG_US
 
 def check_rings(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
     """Report rings that cannot be, and publishes that a ring has no new values for."""
+    if not any(one.element.link.kind == "tosnet" for one in resolver.placed):
+        return
     for device in devices(tuple(resolver.roots), links):
         for root in (one for one in resolver.roots if one.name == device.root):
             _check_one_description(root, device, resolver, reporter)
@@ -108,7 +110,7 @@ class _Check:
         if wanted > highest:
             message = f"the ring makes at most {highest:,} cycles a second, and CYCLE_RATE is {wanted:,} Hz"
             hint = (
-                f"{self.budget.registers} registers of {self.ring.size} nodes take "
+                f"{self.ring.registers} registers of {self.ring.size} nodes take "
                 f"{self.budget.shortest_s * 1e6:.1f} us at {self.budget.baud_hz:,} baud: "
                 "use fewer registers, or raise BAUD"
             )

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from unitylink import protocol
+
 from ..model import Device, Instance
-from ..ring import Ring, rings_of
+from ..ring import Ring, RingNode, rings_of
 from .budget import DeviceBudget
 from .latency import BITS_PER_BYTE
 
@@ -17,6 +19,17 @@ class Span:
 
     typical_s: float | None
     bound_s: float | None
+
+
+@dataclass(frozen=True)
+class RingShare:
+    """A node's share of a cycle. It writes the values of `gives`, and the PC those of `obeys`."""
+
+    id: int
+    registers: tuple[int, ...]
+    cycle_bytes: int
+    gives: tuple[str, ...]
+    obeys: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -33,16 +46,14 @@ class RingPublish:
 
 @dataclass(frozen=True)
 class RingBudget:
-    """A ring of a device. Times are in seconds.
+    """A ring of a device. Times are in seconds. The first node is the PC's own.
 
     `shortest_s` is the shortest cycle, and `cycle_s` the one that the spec asks for. `inward` is the time
     from a node's sensor to the PC's node, and `outward` that from a commit to the outputs of the nodes.
     """
 
     base: int
-    own: int
-    nodes: tuple[int, ...]
-    registers: int
+    nodes: tuple[RingShare, ...]
     baud_hz: int
     cycle_bytes: int
     hop_s: float
@@ -67,9 +78,7 @@ def ring_budget(ring: Ring) -> RingBudget:
     way = Span(1.5 * cycle_s, 2 * cycle_s)
     return RingBudget(
         base=ring.base,
-        own=ring.own.id,
-        nodes=tuple(node.id for node in ring.nodes),
-        registers=ring.registers,
+        nodes=tuple(_share(node) for node in (ring.own, *ring.nodes)),
         baud_hz=ring.baud_hz,
         cycle_bytes=ring.cycle_bytes,
         hop_s=ring.hop_s,
@@ -78,6 +87,12 @@ def ring_budget(ring: Ring) -> RingBudget:
         inward=way,
         outward=way,
     )
+
+
+def _share(node: RingNode) -> RingShare:
+    gives, obeys = (tuple(element.path for element in values) for values in (node.gives, node.obeys))
+    size = protocol.TOSNET_RING_REGISTER_BYTES * len(node.numbers)
+    return RingShare(node.id, node.numbers, size, gives, obeys)
 
 
 def ring_budgets(root: Instance, device: Device, line: DeviceBudget) -> list[RingBudget]:
