@@ -5,6 +5,7 @@
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-learn   an arm learns to reach on the twin in MuJoCo, then the policy drives the VHDL, and its line is
 #                cut on the way (about four minutes)
+#   make demo-tosnet   a SCARA whose joints are nodes of a ring, all of them compiled VHDL, loses a fibre and goes on
 #   make demo-serve   the SCARA moves, and its page in the browser shows it; prints the page's URL (SECONDS=20: so long)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
@@ -58,7 +59,7 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-ros test \
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet demo-ros test \
 	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
 	fresh page demo-serve help
 help:
@@ -94,6 +95,11 @@ demo-learn: $(VENV)/.built
 	@tools/setup.sh group all
 	@tools/setup.sh rtl
 	$(BIN)/python examples/reach/run.py --rtl --picture build/reach.png
+
+demo-tosnet: $(VENV)/.built
+	@tools/setup.sh group demo
+	@tools/setup.sh rtl
+	$(BIN)/python examples/scara_ring/run.py --picture build/scara_ring.png
 
 demo-serve: $(VENV)/.built
 	@tools/setup.sh group all

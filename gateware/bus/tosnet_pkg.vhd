@@ -23,6 +23,7 @@ package tosnet_pkg is
   subtype tosnet_address_t is natural range 0 to tosnet_memory_words_c - 1;
   type tosnet_address_vector_t is array (natural range <>) of tosnet_address_t;
   constant tosnet_no_addresses_c : tosnet_address_vector_t(1 to 0) := (others => 0);
+  constant tosnet_no_words_c     : word_vector_t(1 to 0)           := (others => (others => '0'));
 
   -- The PC's own node may write its IN and OUT words, and the IN words of all others.
   function is_writable (address : tosnet_address_t; master_id : natural) return boolean;

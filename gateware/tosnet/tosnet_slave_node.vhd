@@ -6,8 +6,9 @@
 --
 -- Words     read_words are the node's own IN words, or OUT words of others, at read_addresses. write_words are its OUT
 --           words, at write_addresses. docs/gateware/tosnet_words.md tells when they change.
--- Safe      While `running` is low, no PC commands this node: bring outputs to a safe state.
--- Reset     All words are zero, and the node joins the ring.
+-- Safe      While `running` is low, no PC commands this node. Then the words of safe_addresses have their safe_values.
+--           The PC's program ends and the ring goes on? Then the PC's dead-man writes them.
+-- Reset     All words are zero, but for those with a safe value, and the node joins the ring.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,6 +24,8 @@ entity tosnet_slave_node is
     registers         : std_ulogic_vector(7 downto 0) := x"01";
     read_addresses    : tosnet_address_vector_t      := tosnet_no_addresses_c;
     write_addresses   : tosnet_address_vector_t      := tosnet_no_addresses_c;
+    safe_addresses    : tosnet_address_vector_t      := tosnet_no_addresses_c; -- tosnet_words
+    safe_values       : word_vector_t                := tosnet_no_words_c;
     most_nodes        : positive range 2 to 15       := 15;
     clocks_per_bit    : positive                     := 4; -- tosnet_node
     samples_per_clock : positive                     := 1;
@@ -65,7 +68,9 @@ begin
       from_ring_last => open, from_ring_id => open, message_lost => open);
 
   words : entity work.tosnet_words
-    generic map (read_addresses => read_addresses, write_addresses => write_addresses)
+    generic map (
+      read_addresses => read_addresses, write_addresses => write_addresses, safe_addresses => safe_addresses,
+      safe_values => safe_values)
     port map (
       clock => clock, reset => reset, running => running, strobe => strobe, strobe_fresh => strobe_fresh,
       received_valid => received_valid, received_address => received_address, received_word => received_word,

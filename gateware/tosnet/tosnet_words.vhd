@@ -6,6 +6,8 @@
 --
 -- Reading   read_words are the words of read_addresses, all of one cycle. `exchange` is high for one clock in each cycle
 --           whose words are all there and good; read_words are new in it. In all other cycles they keep their values.
+-- Safe      The words of safe_addresses, which are among read_addresses, have their safe_values while the ring does not
+--           run, from the clock after `running` falls until the first `exchange`.
 -- Missing   `missing` is high after a cycle in which a word of read_addresses did not come: no node of the ring has that
 --           register. It is high from the start of the ring until the first `exchange`, too.
 -- Writing   write_words are sampled three clocks after each strobe, and all the time while the ring does not run. So they
@@ -13,7 +15,7 @@
 -- Master    It also sends the OUT words of others that are among read_addresses, so that the slaves know them. Before
 --           their first `exchange` since the start of the ring, and for words that nobody reads here, it sends zero.
 -- Latency   send_word one clock after send_address. read_words one clock after the strobe.
--- Reset     All words are zero.
+-- Reset     All words are zero, but for those with a safe value.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,7 +27,9 @@ library ieee;
 entity tosnet_words is
   generic (
     read_addresses  : tosnet_address_vector_t := tosnet_no_addresses_c;
-    write_addresses : tosnet_address_vector_t := tosnet_no_addresses_c
+    write_addresses : tosnet_address_vector_t := tosnet_no_addresses_c;
+    safe_addresses  : tosnet_address_vector_t := tosnet_no_addresses_c;
+    safe_values     : word_vector_t           := tosnet_no_words_c -- one for each
   );
   port (
     clock            : in  std_ulogic;
@@ -48,8 +52,10 @@ end entity;
 
 architecture rtl of tosnet_words is
 
-  constant read_map  : tosnet_address_vector_t(0 to read_addresses'length - 1)  := read_addresses;
-  constant write_map : tosnet_address_vector_t(0 to write_addresses'length - 1) := write_addresses;
+  constant read_map   : tosnet_address_vector_t(0 to read_addresses'length - 1)  := read_addresses;
+  constant write_map  : tosnet_address_vector_t(0 to write_addresses'length - 1) := write_addresses;
+  constant safe_map   : tosnet_address_vector_t(0 to safe_addresses'length - 1)  := safe_addresses;
+  constant safe_words : word_vector_t(0 to safe_addresses'length - 1)            := safe_values;
 
   signal hidden  : word_vector_t(read_map'range);  -- of the cycle that is under way
   signal came    : std_ulogic_vector(read_map'range);
@@ -92,6 +98,15 @@ begin
       if reset = '1' then
         read_words <= (others => (others => '0'));
         exchange   <= '0';
+      end if;
+      if reset = '1' or running = '0' then
+        for place in read_map'range loop
+          for safe in safe_map'range loop
+            if safe_map(safe) = read_map(place) then
+              read_words(place) <= safe_words(safe);
+            end if;
+          end loop;
+        end loop;
       end if;
     end if;
   end process;

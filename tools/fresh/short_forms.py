@@ -10,6 +10,7 @@ SHORT_FORMS = {
     "demo-walker": "RTL=1",  # what the gateware's own VHDL needs, too
     "demo-pa10": "",
     "demo-learn": "",
+    "demo-tosnet": "",
     "demo-ros": "",
     "demo-serve": "SECONDS=3",
     "page": "CHECK=1",

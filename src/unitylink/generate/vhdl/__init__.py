@@ -14,11 +14,12 @@ from ..templates import environment
 from .names import identifier
 from .own_sources import own_source_files, own_source_names
 from .plan import Plan
-from .planner import plan_design
+from .planner import RING_CUT, plan_design
 from .records import Leaf
 from .words import WordMap, word_map
 
 __all__ = [
+    "RING_CUT",
     "Leaf",
     "Plan",
     "WordMap",

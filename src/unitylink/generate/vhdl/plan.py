@@ -88,6 +88,8 @@ class RingNode:
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
     ports: tuple[NodePort, ...]
+    safe_addresses: Vhdl
+    safe_values: Vhdl
 
 
 @dataclass(frozen=True)

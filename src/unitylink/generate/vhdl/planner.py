@@ -44,6 +44,7 @@ _PORTS += ["rs485_rx", "rs485_tx", "rs485_drive", "rs485_node"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc", "tripped"]
+RING_CUT = "ring_cut"  # in a simulation, the lines that are cut; the first is that of the PC's own node
 _TEMPLATES = ("design.vhd.jinja", "top.vhd.jinja")
 _STROBE = FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
@@ -114,6 +115,9 @@ class _Planner:
                 Port("ring_in", "in", Vhdl("std_ulogic")),
                 Port("ring_out", "out", Vhdl("std_ulogic")),
             ]
+        elif tosnet is not None and tosnet.here:
+            kind = Vhdl.of("std_ulogic_vector(0 to {})", len(tosnet.here))
+            self.ports.append(Port(RING_CUT, "in", kind))
         inside = _inside(components) | set(tosnet.lines if tosnet else ())
         baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ
         return Plan(

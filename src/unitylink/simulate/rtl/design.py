@@ -10,7 +10,7 @@ from typing import Union
 
 from unitylink.generate import SpecPlan, planned_files
 from unitylink.generate.templates import environment
-from unitylink.generate.vhdl import FOLDER, Plan, plan_designs
+from unitylink.generate.vhdl import FOLDER, RING_CUT, Plan, plan_designs
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.interface.components import ComponentConfiguration
 from unitylink.spec.model import Spec
@@ -67,14 +67,17 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     if configuration.physical in BEHIND:
         top = f"{design.name}_behind_{configuration.physical}"
         files |= _behind(design, top)
+    own = [name for part in design.components for _, name in part.pins if name in _pins(design)]
+    cuts = [RING_CUT] if RING_CUT in _pins(design) else []
+    places = _pin_places(design, configuration.components)
     return RtlDesign(
         top=top,
         files=files,
         read_addresses=tuple(design.words.read),
         write_addresses=tuple(design.words.write),
         generics={"clock_hz": configuration.clock_hz},
-        pins=tuple(name for part in design.components for _, name in part.pins if name in _pins(design)),
-        pin_places=_pin_places(design, configuration.components),
+        pins=(*own, *cuts),
+        pin_places=(*places, *(_cut_places(design, places) for _ in cuts)),
     )
 
 
@@ -97,6 +100,15 @@ def _pin_places(design: Plan, components: Sequence[ComponentConfiguration]) -> P
     placed = [part.entity for part in design.components][: len(components)]
     assert placed == [one.entity for one in components], "a design has the components in the spec's order"
     return tuple(places)
+
+
+def _cut_places(design: Plan, components: PinPlaces) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return the places of the lines of a ring that can be cut. They are behind those of the components."""
+    assert design.tosnet is not None
+    first = sum(len(inputs) for inputs, _ in components)
+    count = 1 + len(design.tosnet.here)
+    # The line with the lowest index is the highest bit of the vector.
+    return tuple(first + count - 1 - line for line in range(count)), ()
 
 
 def _behind(design: Plan, top: str) -> dict[str, str]:

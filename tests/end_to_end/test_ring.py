@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robot that is a ring of five nodes, as `make demo-tosnet` runs it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_the_ring_loses_a_fibre_and_goes_on(tmp_path: Path) -> None:
+    picture = tmp_path / "ring.svg"
+    command = [sys.executable, str(ROOT / "examples/scara_ring/run.py"), "--picture", str(picture)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "a write says: targets: the TosNet network is offline" in done.stdout
+    assert "mended: all joints are at their second target" in done.stdout
+    assert "a fibre is cut" in picture.read_text(encoding="utf-8")
