@@ -93,7 +93,9 @@ def cycle() -> str:
 
 def _packet(picture: Picture, one: Ring) -> None:
     sections = [
-        (f"{node.id} {way}", 16 * node.count) for node in [one.own, *one.nodes] for way in ("OUT", "IN")
+        (f"{node.id} {way}", 16 * len(node.numbers))
+        for node in [one.own, *one.nodes]
+        for way in ("OUT", "IN")
     ]
     parts = [*HEAD, *sections, ("async", ASYNCHRONOUS), ("CRC", 1)]
     assert sum(size for _, size in parts) == one.cycle_bytes

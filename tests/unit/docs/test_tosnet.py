@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.spec.isochrony.ring import ring_budget
+from unitylink.spec import compile_text
+from unitylink.spec.isochrony.budget import budget
+from unitylink.spec.isochrony.ring import ring_budget, ring_budgets
 from unitylink.spec.model import RingOptions
 from unitylink.spec.ring import Ring, RingNode
 
@@ -35,6 +37,20 @@ def test_the_cycles_are_those_of_the_budget(
 
 def test_the_page_has_small_and_large_rings() -> None:
     assert [(int(row[0]), bool(row[1])) for row in ROWS] == [(2, False), (5, False), (15, False), (15, True)]
+
+
+def test_the_robot_of_the_page_has_the_figures_that_it_tells() -> None:
+    (text,) = re.findall(r"^```ul\n(.*?)^```", PAGE, re.M | re.S)
+    result = compile_text(text, "scara.ul")
+    assert not result.diagnostics and result.spec is not None
+    (device,) = result.spec.devices
+    line = budget(device, read_many=8)
+    (one,) = ring_budgets(result.spec.roots[0], device, line)
+    assert [node.id for node in one.nodes] == [1, 2, 3, 4, 5]
+    assert f"{1 / one.shortest_s:,.0f} cycles a second" in PAGE
+    (publish,) = one.publishes
+    assert publish.sensor.bound_s is not None
+    assert f"{publish.sensor.bound_s * 1e3:.2f} ms old" in PAGE.replace("\n", " ")
 
 
 def test_each_source_is_cited_and_each_citation_has_one() -> None:
