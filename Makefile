@@ -59,7 +59,8 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet demo-ros test \
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet \
+	demo-ros test \
 	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
 	fresh page demo-serve help
 help:

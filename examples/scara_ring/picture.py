@@ -19,6 +19,7 @@ COLOURS = ("#0e7490", "#c2410c", "#4d7c0f", "#7e22ce")
 
 def save(run: Run, path: Path) -> None:
     """Write the picture, as PNG or SVG."""
+    plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "scara_ring"})
     figure, axes = plt.subplots(figsize=(8, 3.6), layout="constrained")
     begin = run.seen[0][0]
     times = [time_s - begin for time_s, _ in run.seen]
@@ -26,7 +27,8 @@ def save(run: Run, path: Path) -> None:
     for joint, colour in enumerate(COLOURS):
         values = [row[joint] for _, row in run.seen]
         for part in (slice(None, gap), slice(gap, None)):
-            axes.plot(times[part], values[part], color=colour, label=f"joint {joint + 1}" if part.start is None else "")
+            label = f"joint {joint + 1}" if part.start is None else ""
+            axes.plot(times[part], values[part], color=colour, label=label)
     axes.axvspan(run.cut_s - begin, run.mended_s - begin, color="#fee4e2", label="a fibre is cut")
     axes.set(xlabel="time of the device, s", ylabel="position, rad")
     axes.set_title("A ring of five nodes loses a fibre, and goes on", fontweight="bold", fontsize=11)

@@ -1,9 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. By itself
--- it has no ring: the logic around this entity takes the place of the nodes, and a counter gives the network cycle.
--- tosnet_bridge puts a ring behind it.
--- docs/gateware/tosnet_slave.md has the bits.
+-- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. By
+-- itself it has no ring: the logic around this entity takes the place of the nodes, and a counter gives the network
+-- cycle. tosnet_bridge puts a ring behind it. docs/gateware/tosnet_slave.md has the bits.
 --
 --   000-3FF  shared memory, node * 64 + register * 8 + 4 if IN + word. The PC writes IN words and its own node's OUT
 --            words
@@ -22,9 +21,10 @@
 --           gives are zero.
 -- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or
 --           the gateware starts again.
--- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait.
---           One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring: network_cycle is high
---           for one clock when new read_words are there, and the network registers are those of its table.
+-- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits
+--           wait. One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring:
+--           network_cycle is high for one clock when new read_words are there, and the network registers are those of
+--           its table.
 -- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
 --           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that just arrived.
 -- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A TosNet node with a user who knows what must come. Each word that a node gives has its address on top and the time of
--- the strobe below. So a word that stands at a wrong place, a set whose words are of two strobes, and a set that is too
--- old are each noticed where they are received.
+-- A TosNet node with a user who knows what must come. Each word that a node gives has its address on top and the
+-- time of the strobe below. So a word that stands at a wrong place, a set whose words are of two strobes, and a set
+-- that is too old are each noticed where they are received.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -200,7 +200,7 @@ begin
               if first_word then
                 first_stamp := unsigned(word(21 downto 0));
                 check(age_of(first_stamp) <= oldest, "node " & integer'image(id) & " takes a set of node "
-                      & integer'image(ring(node).id) & " for fresh that is " & time'image(age_of(first_stamp)) & " old");
+                      & integer'image(ring(node).id) & " for fresh that is old: " & time'image(age_of(first_stamp)));
                 if age_of(first_stamp) > oldest_set then
                   oldest_set <= age_of(first_stamp);
                 end if;

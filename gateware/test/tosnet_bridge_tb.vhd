@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_bridge in a ring with slaves that answer: what the PC writes reaches all nodes in one cycle, what it reads is of
--- one cycle, messages come back, and a cut or an absent node is seen in the status.
+-- tosnet_bridge in a ring with slaves that answer: what the PC writes reaches all nodes in one cycle, what it reads
+-- is of one cycle, messages come back, and a cut or an absent node is seen in the status.
 
 library ieee;
   use ieee.std_logic_1164.all;

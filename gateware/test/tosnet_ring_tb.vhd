@@ -367,8 +367,8 @@ begin
     for place in ring'range loop
       report "tosnet_ring_tb: node " & integer'image(ring(place).id) & " at " & integer'image(address(place)) & ": "
              & integer'image(fresh(place)) & " fresh, " & integer'image(stale(place)) & " not, "
-             & integer'image(restarts(place)) & " restarts, " & integer'image(wrong_bits(place)) & " wrong bits, oldest "
-             & time'image(oldest_set(place));
+             & integer'image(restarts(place)) & " restarts, " & integer'image(wrong_bits(place)) & " wrong bits,"
+             & " oldest " & time'image(oldest_set(place));
     end loop;
     report_passed("tosnet_ring_tb");
     done <= true;

@@ -5,8 +5,8 @@
 --   Wishbone --> tosnet_slave <-- tosnet_words --> tosnet_node <--> line
 --
 -- Map       As in tosnet_slave. The network registers, the status and the counters are those of the ring.
--- Online    The ring runs, this node is its master, and every word of read_addresses comes. The status says which of the
---           first two is not so, and the network registers say which node or register is absent. While it is low,
+-- Online    The ring runs, this node is its master, and every word of read_addresses comes. The status says which of
+--           the first two is not so, and the network registers say which node or register is absent. While it is low,
 --           nothing is exchanged and commits wait.
 -- Cycle     `cycle` is high for one clock in each cycle of the ring whose words are good. So an event group on it
 --           publishes the words of all nodes of one cycle.
@@ -37,7 +37,7 @@ entity tosnet_bridge is
     clocks_per_bit     : positive                      := 4; -- tosnet_node
     samples_per_clock  : positive                      := 1;
     hop_bits           : positive                      := tosnet_ring_hop_bits_c;
-    watchdog_bits      : positive                      := tosnet_ring_watchdog_us_c * (tosnet_ring_baud_hz_c / 100000) / 10
+    watchdog_bits      : positive                      := tosnet_watchdog_bits
   );
   port (
     clock        : in  std_ulogic;

@@ -39,7 +39,7 @@ entity tosnet_node is
     clocks_per_bit    : positive               := 4;
     samples_per_clock : positive               := 1;
     hop_bits          : positive               := tosnet_ring_hop_bits_c;
-    watchdog_bits     : positive               := tosnet_ring_watchdog_us_c * (tosnet_ring_baud_hz_c / 100000) / 10;
+    watchdog_bits     : positive               := tosnet_watchdog_bits;
     may_be_master     : boolean                := true;
     most_nodes        : positive range 2 to 15 := 15;
     channel           : boolean                := true

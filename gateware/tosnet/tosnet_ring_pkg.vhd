@@ -6,6 +6,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.protocol_pkg.all;
+  use work.tosnet_wire_pkg.all;
 
 package tosnet_ring_pkg is
 
@@ -14,6 +15,9 @@ package tosnet_ring_pkg is
 
   constant item_end    : item_t := "100000000";
   constant item_poison : item_t := "100000001";
+
+  -- The watchdog of the published network, in bits of its line.
+  constant tosnet_watchdog_bits : positive := tosnet_ring_watchdog_us_c * (tosnet_ring_baud_hz_c / 100000) / 10;
 
   -- Why a ring is not, or no longer, running.
   subtype trouble_t is std_ulogic_vector(3 downto 0);

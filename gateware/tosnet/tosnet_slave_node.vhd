@@ -30,7 +30,7 @@ entity tosnet_slave_node is
     clocks_per_bit    : positive                     := 4; -- tosnet_node
     samples_per_clock : positive                     := 1;
     hop_bits          : positive                     := tosnet_ring_hop_bits_c;
-    watchdog_bits     : positive                     := tosnet_ring_watchdog_us_c * (tosnet_ring_baud_hz_c / 100000) / 10
+    watchdog_bits     : positive                     := tosnet_watchdog_bits
   );
   port (
     clock       : in  std_ulogic;

@@ -4,14 +4,15 @@
 --
 --   words that come --> one set, when all of it has come --> read_words        write_words --> the words to send
 --
--- Reading   read_words are the words of read_addresses, all of one cycle. `exchange` is high for one clock in each cycle
---           whose words are all there and good; read_words are new in it. In all other cycles they keep their values.
--- Safe      The words of safe_addresses, which are among read_addresses, have their safe_values while the ring does not
---           run, from the clock after `running` falls until the first `exchange`.
--- Missing   `missing` is high after a cycle in which a word of read_addresses did not come: no node of the ring has that
---           register. It is high from the start of the ring until the first `exchange`, too.
--- Writing   write_words are sampled three clocks after each strobe, and all the time while the ring does not run. So they
---           may change at any time. A cycle sends the words of one moment.
+-- Reading   read_words are the words of read_addresses, all of one cycle. `exchange` is high for one clock in each
+--           cycle whose words are all there and good; read_words are new in it. In all other cycles they keep their
+--           values.
+-- Safe      The words of safe_addresses, which are among read_addresses, have their safe_values while the ring does
+--           not run, from the clock after `running` falls until the first `exchange`.
+-- Missing   `missing` is high after a cycle in which a word of read_addresses did not come: no node of the ring has
+--           that register. It is high from the start of the ring until the first `exchange`, too.
+-- Writing   write_words are sampled three clocks after each strobe, and all the time while the ring does not run. So
+--           they may change at any time. A cycle sends the words of one moment.
 -- Master    It also sends the OUT words of others that are among read_addresses, so that the slaves know them. Before
 --           their first `exchange` since the start of the ring, and for words that nobody reads here, it sends zero.
 -- Latency   send_word one clock after send_address. read_words one clock after the strobe.

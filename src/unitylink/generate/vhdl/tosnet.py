@@ -46,7 +46,9 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | No
         reads=tuple(Wire(n, words.read[address], None) for n, address in enumerate(reads)),
         writes=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(writes)),
         lines=() if tosnet.event_group is None else (tosnet.event_group,),
-        ring=tuple(_node(number, node, configuration, words, spec) for number, node in enumerate(tosnet.nodes, 1))
+        ring=tuple(
+            _node(number, node, configuration, words, spec) for number, node in enumerate(tosnet.nodes, 1)
+        )
         if tosnet.ring
         else (),
     )

@@ -117,15 +117,17 @@ class RtlBoard(ModelBoard):
         if steps:
             made = replace(made, trace_program=steps, settings=core_settings_of(chosen))
         model = build_model(made, progress)
-        self._lines = 1 + len(chosen.tosnet.nodes) if chosen.tosnet and chosen.tosnet.ring and not design else 0
+        self._lines = (
+            1 + len(chosen.tosnet.nodes) if chosen.tosnet and chosen.tosnet.ring and not design else 0
+        )
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
         super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
 
     def set_online(self, online: bool) -> None:
-        """Cut the line of the ring in its middle, or mend it. Raises UnityLinkError for a design without a ring.
+        """Cut the line of the ring in its middle, or mend it.
 
-        The spec says `NODES=ring`.
+        Raises UnityLinkError for a design without a ring: the spec says `NODES=ring` for one.
         """
         if not self._lines:
             super().set_online(online)
