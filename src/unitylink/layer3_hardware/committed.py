@@ -216,6 +216,8 @@ class CommittedProxy(HardwareProxy):
             self._settled, self._generation = False, generation
 
     def _read_back(self, changes: dict[int, int], timeout_s: float | None) -> None:
+        if None not in self._outputs.values():
+            return
         unknown = [a for a, word in self._outputs.items() if word is None and a not in changes]
         if unknown:
             words = self.link.read_many(

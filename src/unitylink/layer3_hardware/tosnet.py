@@ -106,6 +106,8 @@ class TosNetProxy(CommittedProxy):
 
         >>> end = network.on_event(lambda event: print(event.kind, event.text))   # doctest: +SKIP
         """
+        if not callable(callback):
+            raise ValueRangeError(f"tosnet: {shown(callback)} is not a function")
         return NetworkListener(self.watch(nodes), callback, positive("tosnet: period_s", period_s)).close
 
     def async_send(self, node_id: int, data: bytes, *, timeout_s: float = 0.5) -> None:

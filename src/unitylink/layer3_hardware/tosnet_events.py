@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 from unitylink import protocol
 from unitylink.errors import LinkClosed, LinkError, NetworkError, NetworkHalted, NetworkOffline, NodeLost
 
+from .arguments import wholes
 from .tosnet_status import NetworkNode, TosNetStatus
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class NetworkWatch:
 
     def __init__(self, network: Network, nodes: Iterable[int] = ()) -> None:
         self._network = network
-        self._there = {*nodes}
+        self._there = {*wholes("tosnet: nodes", nodes)}
         self._status = TosNetStatus.decode(1 << protocol.TOSNET_STATUS_ONLINE_BIT)
         self._resets: int | None = None
 
@@ -126,9 +127,11 @@ class NetworkListener:
     """
 
     def __init__(self, watch: NetworkWatch, callback: NetworkCallback, period_s: float) -> None:
-        self._watch, self._callback, self._period_s = watch, callback, period_s
+        self._watch, self._callback = watch, callback
+        self._period_s = min(period_s, threading.TIMEOUT_MAX)
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="tosnet events", daemon=True)
+        first = watch.look()  # here, because who calls should get its errors
+        self._thread = threading.Thread(target=self._run, args=(first,), name="tosnet events", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -137,14 +140,8 @@ class NetworkListener:
         if threading.current_thread() is not self._thread:
             self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self, events: list[NetworkEvent]) -> None:
         while True:
-            try:
-                events = self._watch.look()
-            except LinkClosed:
-                return
-            except LinkError:  # the events of the link tell about it
-                events = []
             for event in events:
                 if self._ended.is_set():
                     return
@@ -154,3 +151,9 @@ class NetworkListener:
                     _log.exception("the callback %r of an event failed; the events go on", self._callback)
             if self._ended.wait(self._period_s):
                 return
+            try:
+                events = self._watch.look()
+            except LinkClosed:
+                return
+            except LinkError:  # the events of the link tell about it
+                events = []

@@ -7,6 +7,7 @@ import logging
 import queue
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
@@ -129,10 +130,17 @@ def test_events_come_by_themselves(caplog: pytest.LogCaptureFixture) -> None:
         assert heard.empty()
 
 
-def test_the_events_end_with_the_link() -> None:
+@pytest.mark.parametrize("period_s", [0.001, 1e300])
+def test_the_events_end_with_the_link(period_s: float) -> None:
     with network() as (_, proxy):
-        end = proxy.on_event(print, period_s=0.001)
+        end = proxy.on_event(print, period_s=period_s)
     end()  # its thread has ended, or does so now
+
+
+@pytest.mark.parametrize("wrong", [{"callback": 3}, {"nodes": "ab"}, {"period_s": -1}])
+def test_wrong_arguments_are_named(wrong: dict[str, Any]) -> None:
+    with network() as (_, proxy), pytest.raises(ValueRangeError, match="tosnet: "):
+        proxy.on_event(**{"callback": print, **wrong})
 
 
 @pytest.mark.parametrize("node", [1, 3, 16, -1])

@@ -174,6 +174,11 @@ CALLS: dict[str, Call] = {
     "TosNetProxy.status": lambda r, x: r.tosnet.status(),
     "TosNetProxy.counters": lambda r, x: r.tosnet.counters(),
     "TosNetProxy.nodes": lambda r, x: r.tosnet.nodes(),
+    "TosNetProxy.check_nodes": lambda r, x: r.tosnet.check_nodes(x),
+    "TosNetProxy.watch": lambda r, x: r.tosnet.watch(x).look(),
+    "TosNetProxy.on_event": taken_back(lambda r, x: r.tosnet.on_event(x)),
+    "TosNetProxy.on_event nodes": taken_back(lambda r, x: r.tosnet.on_event(print, nodes=x)),
+    "TosNetProxy.on_event period": taken_back(lambda r, x: r.tosnet.on_event(print, period_s=x)),
     "DoubleBufferProxy.commit": lambda r, x: r.double.commit(timeout_s=patience(x)),
 }
 for proxy, kind in (

@@ -189,3 +189,52 @@ def test_another_board_goes_on_from_the_state_of_a_model(files: Path) -> None:
             link.step(0.05)
             arm = load_spec_objects(load(files / "arm.ul"), link)
             assert (link.board.plant.data.qpos.tolist(), arm.shoulder.position.read()) == went_on
+
+
+IMU = """
+public box() {
+   imu: imu() @ (0x10, 0x20, 0x22, 0x30);
+   @height = 0x40: u16 READ(UNIT="mm");
+   @way[3] = 0x50: f32 READ(UNIT="m");
+}
+imu(): @ (acceleration, gyro_x, gyro_z, attitude_w) {
+   @acceleration[3]: i16 READ(UNIT="m/s^2", SCALE=0.001);
+   @gyro_x: i16 READ(UNIT="deg/s", SCALE=0.1);
+   @gyro_z: i16 READ(UNIT="deg", SCALE=0.1);
+   @attitude_w: f32 READ();
+}
+"""
+FALLING = """
+<mujoco>
+  <option timestep="0.001" gravity="0 0 -9.81"/>
+  <worldbody>
+    <geom type="plane" size="5 5 .1"/>
+    <body name="box" pos="0 0 .1">
+      <freejoint/>
+      <geom type="box" size=".1 .1 .1" mass="1"/>
+      <site name="middle"/>
+    </body>
+  </worldbody>
+  <sensor>
+    <accelerometer name="acceleration" site="middle"/>
+    <gyro name="gyro" site="middle"/>
+    <framequat name="attitude" objtype="site" objname="middle"/>
+    <framepos name="way" objtype="site" objname="middle"/>
+    <rangefinder name="height" site="middle"/>
+  </sensor>
+</mujoco>
+"""
+
+
+def test_sensors_of_several_numbers_are_read_by_part(tmp_path: Path) -> None:
+    (tmp_path / "arm.ul").write_text(IMU)
+    (tmp_path / "arm.xml").write_text(FALLING)
+    with robot(tmp_path) as (link, box):
+        link.step(0.5)  # it has come to rest
+        assert box["imu.acceleration[0]"].read() == pytest.approx(0, abs=0.02)
+        assert box["imu.acceleration[2]"].read() == pytest.approx(9.81, abs=0.05)
+        assert box.imu.gyro_x.read() == pytest.approx(0, abs=0.5)
+        assert box.imu.attitude_w.read() == pytest.approx(1, abs=1e-4)
+        assert box["way[2]"].read() == pytest.approx(0.1, abs=2e-3)
+        notes = link.board.plant.notes
+    assert "imu.gyro_z is left out: it has deg, and the sensor gyro.z measures rad/s" in notes

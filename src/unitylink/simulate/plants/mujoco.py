@@ -28,6 +28,21 @@ LEAST_PERIOD_S = 0.001
 _TURNS = {"position": "rad", "velocity": "rad/s", "effort": "N m"}
 _SLIDES = {"position": "m", "velocity": "m/s", "effort": "N"}
 _UNITS = {int(mujoco.mjtJoint.mjJNT_HINGE): _TURNS, int(mujoco.mjtJoint.mjJNT_SLIDE): _SLIDES}
+# what a sensor measures, by the end of its name in MuJoCo; others may have any unit
+_SENSED = {
+    "m/s^2": ("ACCELEROMETER", "FRAMELINACC"),
+    "rad/s": ("GYRO", "FRAMEANGVEL", "JOINTVEL"),
+    "m/s": ("VELOCIMETER", "FRAMELINVEL"),
+    "N": ("FORCE", "TOUCH"),
+    "N m": ("TORQUE",),
+    "m": ("RANGEFINDER", "FRAMEPOS"),
+}
+_SENSOR_UNITS = {
+    int(getattr(mujoco.mjtSensor, f"mjSENS_{kind}")): unit
+    for unit, kinds in _SENSED.items()
+    for kind in kinds
+}
+_PARTS = {1: ("",), 2: (".x", ".y"), 3: (".x", ".y", ".z"), 4: (".w", ".x", ".y", ".z")}  # 4: a quaternion
 _log = logging.getLogger("unitylink.simulate")
 
 
@@ -159,8 +174,12 @@ class MujocoPlant:
             yield _Place(name, "velocity", units["velocity"], dof)
             yield _Place(name, "effort", units["effort"], dof)
         for number in range(model.nsensor):
-            if model.sensor_dim[number] == 1:
-                yield _Place(model.sensor(number).name, "sensor", None, int(model.sensor_adr[number]))
+            name, first = model.sensor(number).name, int(model.sensor_adr[number])
+            size, fits = int(model.sensor_dim[number]), _SENSOR_UNITS.get(int(model.sensor_type[number]))
+            for index in range(size):
+                named = (_PARTS[size][index],) if size in _PARTS else ()
+                for part in dict.fromkeys((*named, f"[{index}]" if size > 1 else "")):
+                    yield _Place(f"{name}{part}", "sensor", fits, first + index)
 
     def _actuators(self) -> Iterator[_Place]:
         """Yield what may be commanded. It is called as the actuator, or as its joint."""
@@ -196,7 +215,7 @@ def _bound(
     taken: set[tuple[str, int]] = set()
     for element in elements:
         fitting = [(place, factor) for place in places if (factor := _factor(element, place)) is not None]
-        found = [(place, factor) for place, factor in fitting if plain(place.name) in names[element.path]]
+        found = [(place, factor) for place, factor in fitting if _is_called(place, names[element.path])]
         if found:
             place, factor = found[0]
             if (place.what, place.index) not in taken:
@@ -206,6 +225,11 @@ def _bound(
                 notes.append(
                     f"{element.path} is left out, because another value belongs to {place.name}, too"
                 )
+        elif other := [place for place in places if _is_called(place, names[element.path], "sensor")]:
+            notes.append(
+                f"{element.path} is left out: it has {element.unit or 'no unit'}, and the sensor "
+                f"{other[0].name} measures {other[0].unit or 'a number of one word'}"
+            )
         elif fitting and element.unit:
             near = get_close_matches(element.path, sorted({place.name for place, _ in fitting}), 3, 0.3)
             notes.append(
@@ -219,6 +243,10 @@ def _bound(
             taken.add((place.what, place.index))
 
 
+def _is_called(place: _Place, names: set[str], what: str = "") -> bool:
+    return plain(place.name) in names and place.what in (what or place.what)
+
+
 def _factor(element: Element, place: _Place) -> float | None:
     """Return the factor from a value to SI, or None if it cannot be this number of the model."""
     own = unit(element.unit)
@@ -230,7 +258,7 @@ def _factor(element: Element, place: _Place) -> float | None:
         or (own is not None and own.offset)
     ):
         return None
-    if place.unit is None:
+    if place.unit is None or (place.what == "sensor" and own is None):
         return float(own.factor) if own is not None else 1.0
     si = unit(place.unit)
     if own is None or si is None or own.dimension != si.dimension:
