@@ -175,7 +175,6 @@ begin
            & ") is there twice, or the PC's to write"
     severity failure;
   assert nodes'length <= 15 report "tosnet_slave: a ring has at most 15 nodes beside its master" severity failure;
-
   address    <= unsigned(wishbone_m2s.adr(10 downto 0));
   within     <= '1' when unsigned(wishbone_m2s.adr(31 downto 11)) = 0 else '0';
   is_memory  <= within and not address(10);
