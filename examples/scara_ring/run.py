@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A SCARA whose joints are nodes of a ring moves, loses a fibre on the way, stops, and goes on.
 
-    python examples/scara_ring/run.py                            # five nodes of compiled VHDL in one simulation
-    python examples/scara_ring/run.py --picture scara_ring.svg   # with the positions and the cut
-    python examples/scara_ring/run.py --link "serial:/dev/ttyUSB1?baud=3000000"   # a ring that you cut by hand
+    python examples/scara_ring/run.py                           # five nodes of VHDL in one simulation
+    python examples/scara_ring/run.py --picture scara_ring.svg  # with the positions and the cut
+    python examples/scara_ring/run.py --link "serial:/dev/ttyUSB1?baud=3000000"  # cut it by hand
 
 The exit code is 1 if a joint is not where it should be, or if it goes on while the fibre is cut.
 """

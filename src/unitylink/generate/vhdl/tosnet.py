@@ -29,8 +29,9 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | No
         return None
     if tosnet.ring == "pins" and configuration.clock_hz < _SAMPLES_LEAST * tosnet.line_baud_hz:
         raise BindingError(
-            f"vhdl: the ring's line has {tosnet.line_baud_hz:,} bit/s, and a bit needs {_SAMPLES_LEAST} clocks "
-            f"of {configuration.clock_hz:,} Hz; write a lower BAUD in TOSNET, or choose a faster clock"
+            f"vhdl: the ring's line has {tosnet.line_baud_hz:,} bit/s, and a bit needs "
+            f"{_SAMPLES_LEAST} clocks of {configuration.clock_hz:,} Hz; write a lower BAUD in TOSNET, "
+            "or choose a faster clock"
         )
     words = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
     reads, writes = ([one for one in indices if one in inside] for indices in (words.read, words.write))
