@@ -12,7 +12,7 @@
 -- Alignment Every K28.5 begins a symbol, wherever it comes. Until the first one, no symbol is valid. After a symbol
 --           that does not exist, none is valid until the next K28.5.
 -- Loss      `lost` is high after 32 bits without an edge, and until the next K28.5.
--- Latency   symbol_valid is high for one clock, two clocks after the sample in the middle of the symbol's last bit.
+-- Latency   symbol_valid is high for one clock, three clocks after the sample in the middle of the symbol's last bit.
 -- Reset     The line is lost.
 
 library ieee;
@@ -78,10 +78,16 @@ begin
     report "tosnet_line_in: a bit of " & integer'image(samples_per_bit) & " samples is too short; three are needed"
     severity failure;
 
-  symbol_valid <= whole;
-  data         <= meaning(9 downto 2);
-  control      <= meaning(1);
-  wrong        <= meaning(0);
+  -- Block RAM is slow, and what follows has long paths.
+  outputs : process (clock) is
+  begin
+    if rising_edge(clock) then
+      symbol_valid <= whole and not reset;
+      data         <= meaning(9 downto 2);
+      control      <= meaning(1);
+      wrong        <= meaning(0);
+    end if;
+  end process;
 
   bits : process (clock) is
     variable old   : std_ulogic;

@@ -91,7 +91,7 @@ architecture rtl of tosnet_node is
   constant hop_clocks : positive := hop_bits * clocks_per_bit;
   -- What a packet needs through the node beside the wait: three symbols, half a symbol on average until the transmitter
   -- begins one, and some registers.
-  constant way_clocks  : positive := 27 * clocks_per_bit + 4;
+  constant way_clocks  : positive := 27 * clocks_per_bit + 5;
   -- The least wait: the first byte must be there, and two more, because the clocks of two nodes differ.
   constant least_wait  : positive := 20 * clocks_per_bit + 8;
   constant wait_clocks : positive := maximum(hop_clocks - way_clocks, 1);

@@ -1,11 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- tosnet_node with all features, without the port that shows its table.
+-- tosnet_node with all features, without the ports that show the ring.
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use ieee.numeric_std.all;
 library unitylink;
-  use unitylink.tosnet_ring_pkg.all;
 
 entity narrow_tosnet_node is
   port (
@@ -17,9 +15,6 @@ entity narrow_tosnet_node is
     registers        : in  std_ulogic_vector(7 downto 0);
     running          : out std_ulogic;
     is_master        : out std_ulogic;
-    own_address      : out unsigned(3 downto 0);
-    nodes            : out unsigned(3 downto 0);
-    trouble          : out trouble_t;
     restarted        : out std_ulogic;
     damaged          : out std_ulogic;
     strobe           : out std_ulogic;
@@ -49,7 +44,7 @@ begin
     generic map (most_nodes => 15)
     port map (
       clock => clock, reset => reset, line_in(0) => line_in, line_out => line_out, id => id, registers => registers,
-      running => running, is_master => is_master, own_address => own_address, nodes => nodes, trouble => trouble,
+      running => running, is_master => is_master, own_address => open, nodes => open, trouble => open,
       restarted => restarted, damaged => damaged, strobe => strobe, strobe_fresh => strobe_fresh,
       received_valid => received_valid, received_address => received_address, received_word => received_word,
       send_address => send_address, send_word => send_word, table_entry => open, table_mask => open,
