@@ -43,7 +43,7 @@ architecture test of tosnet_exchange_tb is
   signal item_ready  : std_ulogic := '1';
   signal item_data   : item_t;
   signal in_index, out_index : unsigned(3 downto 0);
-  signal in_entry, in_mask, out_entry, out_mask : std_ulogic_vector(7 downto 0);
+  signal in_entry, in_mask, out_entry, out_mask : std_ulogic_vector(7 downto 0) := x"00";
   signal received_valid : std_ulogic;
   signal received_address, send_address      : std_ulogic_vector(9 downto 0);
   signal received_word, send_word, late_word : std_ulogic_vector(31 downto 0);
@@ -269,8 +269,7 @@ begin
       for at in 0 to length - 1 loop
         data  <= packet(at);
         valid <= '1';
-        tick(clock);
-        valid <= '0';
+        wait for 1 ps;
         if from_this_ring and at < slot then
           check_equal(received_valid, to_bit(words(at) >= 0), "a word after byte " & integer'image(at));
         else
@@ -280,6 +279,8 @@ begin
           check_equal(to_integer(unsigned(received_address)), words(at), "the address of a word");
           check_equal(received_word, packet(at) & packet(at - 1) & packet(at - 2) & packet(at - 3), "a word");
         end if;
+        tick(clock);
+        valid <= '0';
         tick(clock, gap - 1);
       end loop;
       done <= '1';

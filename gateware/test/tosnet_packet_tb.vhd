@@ -193,8 +193,7 @@ begin
 
   -- Between the two: it checks each symbol, and does what is planned with it.
   between : process is
-    variable seed_now : byte_t  := x"55";
-    variable scramble : byte_t  := x"00";
+    variable scramble : byte_t  := x"55";
     variable sum      : byte_t  := x"00";
     variable number   : natural := 0;
     variable place    : natural := 0; -- of the symbol in its packet
@@ -211,7 +210,7 @@ begin
       is_control  <= control;
       symbol_data <= data;
       if control = '1' and data = x"3C" then
-        seed_now := stepped(seed_now);
+        scramble := stepped(scramble);
         check(place = 0 or place = last + 3, "the end of a packet");
         if place > 0 then
           number := number + 1;
@@ -230,8 +229,7 @@ begin
         idles := 0;
         dead  := false;
       elsif place = 1 then
-        check_equal(data, seed_now, "the seed");
-        scramble := seed_now;
+        check_equal(data, scramble, "the seed");
         sum      := x"00";
         place    := 2;
       else

@@ -103,6 +103,7 @@ architecture rtl of tosnet_exchange is
   signal for_us      : std_ulogic; -- the slot has a message for this node
   signal answering   : std_ulogic; -- this slave puts its message into the slot
   signal own_byte    : byte_t;
+  signal three_bytes : std_ulogic_vector(23 downto 0); -- of the word that comes
   signal in_item     : item_t;
   signal in_item_valid : std_ulogic;
   signal in_begin, in_next : std_ulogic; -- of the mailbox
@@ -135,6 +136,12 @@ begin
   in_step  <= valid and in_packet and in_ready and not first;
   own_byte <= byte_of(send_word, in_lane);
 
+  received_word    <= data & three_bytes;
+  received_address <= in_address(9 downto 3) & (in_address(tosnet_in_bit_c) and not is_master)
+                      & in_address(1 downto 0);
+  received_valid   <= in_step and (and in_lane) and in_address(tosnet_in_bit_c) and not in_own when is_master = '1' else
+                      in_step and (and in_lane) and (in_address(tosnet_in_bit_c) xnor in_own);
+
   incoming : process (clock) is
     variable who      : natural range 0 to 15;
     variable kind     : natural range 0 to 15;
@@ -144,7 +151,6 @@ begin
   begin
     if rising_edge(clock) then
       in_item_valid  <= '0';
-      received_valid <= '0';
       packet_done    <= '0';
       broken         <= '0';
       foreign        <= '0';
@@ -167,16 +173,9 @@ begin
       elsif valid = '1' and in_packet = '1' then
         in_item_valid <= not is_master;
         if in_finished = '0' then
-          received_word    <= data & received_word(31 downto 8);
-          received_address <= in_address;
-          if is_master = '1' then
-            received_address(tosnet_in_bit_c) <= '0';
-            received_valid <= not in_own and in_address(tosnet_in_bit_c) and (and in_lane);
-          else
-            received_valid <= (in_own xnor in_address(tosnet_in_bit_c)) and (and in_lane);
-            if in_own = '1' and in_address(tosnet_in_bit_c) = '1' then
-              passed := own_byte;
-            end if;
+          three_bytes <= data & three_bytes(23 downto 8);
+          if is_master = '0' and in_own = '1' and in_address(tosnet_in_bit_c) = '1' then
+            passed := own_byte;
           end if;
         elsif in_slot = slot_bytes then
           too_long <= '1';

@@ -17,6 +17,7 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
   use work.bit_pkg.all;
   use work.protocol_pkg.all;
   use work.tosnet_code_pkg.all;
@@ -40,6 +41,23 @@ end entity;
 
 architecture rtl of tosnet_line_in is
 
+  -- What each of the 1024 symbols means: data, control, wrong. This becomes block RAM.
+  subtype meaning_t is std_ulogic_vector(9 downto 0);
+  type meanings_t is array (0 to 1023) of meaning_t;
+
+  function all_meanings return meanings_t is
+    variable decoded  : decoded_t;
+    variable meanings : meanings_t;
+  begin
+    for number in meanings'range loop
+      decoded := decode(symbol_t(to_unsigned(number, 10)));
+      meanings(number) := decoded.data & decoded.control & decoded.wrong;
+    end loop;
+    return meanings;
+  end function;
+
+  constant meanings : meanings_t := all_meanings;
+
   constant samples_per_bit : positive := clocks_per_bit * samples_per_clock;
   constant middle          : natural  := (samples_per_bit - 1) / 2;
   constant quiet_bits      : positive := 32;
@@ -51,16 +69,25 @@ architecture rtl of tosnet_line_in is
   signal aligned : std_ulogic;
   signal quiet   : natural range 0 to quiet_bits;
 
-  signal symbol  : symbol_t;
-  signal whole   : std_ulogic; -- `symbol` is one
-  signal comma   : std_ulogic;
-  signal decoded : decoded_t;
+  signal whole   : std_ulogic; -- the symbol whose meaning is here is one
+  signal meaning : meaning_t;
 
 begin
 
   assert samples_per_bit >= 3
     report "tosnet_line_in: a bit of " & integer'image(samples_per_bit) & " samples is too short; three are needed"
     severity failure;
+
+  -- Block RAM is slow, and what follows has long paths.
+  outputs : process (clock) is
+  begin
+    if rising_edge(clock) then
+      symbol_valid <= whole and not reset;
+      data         <= meaning(9 downto 2);
+      control      <= meaning(1);
+      wrong        <= meaning(0);
+    end if;
+  end process;
 
   bits : process (clock) is
     variable old   : std_ulogic;
@@ -69,6 +96,8 @@ begin
     variable has   : natural range 0 to 9;
     variable still : natural range 0 to quiet_bits;
     variable lines_up : std_ulogic;
+    variable symbol   : symbol_t;
+    variable ends     : boolean; -- a symbol ends
   begin
     if rising_edge(clock) then
       old   := level;
@@ -77,9 +106,10 @@ begin
       has   := place;
       still := quiet;
       lines_up := aligned;
+      symbol   := now;
+      ends     := false;
       whole <= '0';
-      comma <= '0';
-      if symbol_valid = '1' and wrong = '1' then
+      if whole = '1' and meaning(0) = '1' then
         lines_up := '0';
       end if;
       for index in 0 to samples_per_clock - 1 loop
@@ -100,18 +130,26 @@ begin
           if is_comma(now) then
             lines_up := '1';
             has      := 0;
-            symbol   <= now;
+            symbol   := now;
+            ends     := true;
             whole    <= '1';
-            comma    <= '1';
+            lost     <= '0';
           elsif has = 9 then
             has      := 0;
-            symbol   <= now;
+            symbol   := now;
+            ends     := true;
             whole    <= lines_up;
           else
             has := has + 1;
           end if;
         end if;
       end loop;
+      if still = quiet_bits then
+        lost <= '1';
+      end if;
+      if ends then
+        meaning <= meanings(to_integer(unsigned(symbol)));
+      end if;
       level   <= old;
       passed  <= count;
       shift   <= now;
@@ -121,31 +159,11 @@ begin
       if reset = '1' then
         aligned <= '0';
         whole   <= '0';
+        lost    <= '1';
         quiet   <= 0;
         passed  <= 0;
         place   <= 0;
         level   <= '0';
-      end if;
-    end if;
-  end process;
-
-  decoded <= decode(symbol);
-
-  bytes : process (clock) is
-  begin
-    if rising_edge(clock) then
-      symbol_valid <= whole;
-      data         <= decoded.data;
-      control      <= decoded.control;
-      wrong        <= decoded.wrong;
-      if comma = '1' then
-        lost <= '0';
-      elsif quiet = quiet_bits then
-        lost <= '1';
-      end if;
-      if reset = '1' then
-        symbol_valid <= '0';
-        lost         <= '1';
       end if;
     end if;
   end process;

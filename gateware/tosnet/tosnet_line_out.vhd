@@ -5,13 +5,14 @@
 --   data/control, taken with `take` --> 8b10b, with its running disparity --> bit `a` first --> line
 --
 -- Use       A symbol is always on the line. `take` is high in the clock in which `data` and `control` are those of the
---           next one. They may come from a long path: they are registered before they are encoded.
+--           next one.
 -- Latency   The first bit of the symbol is on the line 2 * clocks_per_bit clocks after that of `take`. A symbol is
 --           10 * clocks_per_bit clocks long.
 -- Reset     The line sends the symbol of zero bits, which does not exist, for at most a symbol's time.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
   use work.bit_pkg.all;
   use work.protocol_pkg.all;
   use work.tosnet_code_pkg.all;
@@ -32,20 +33,43 @@ end entity;
 
 architecture rtl of tosnet_line_out is
 
-  signal passed      : natural range 0 to clocks_per_bit - 1 := 0;
-  signal place       : natural range 0 to 9 := 0;
-  signal bit_ends    : std_ulogic;
-  signal shift       : symbol_t;
-  signal disparity   : std_ulogic;
-  signal now_data    : byte_t;
-  signal now_control : std_ulogic;
-  signal encoded     : encoded_t; -- the next symbol
+  -- All symbols, for a byte or a control symbol: the one after a negative disparity, the bits that differ from it after
+  -- a positive one (`j` and `f`, `h` and `g`, all others), and whether it changes the disparity. This becomes block RAM.
+  subtype code_t is std_ulogic_vector(13 downto 0);
+  type codes_t is array (0 to 511) of code_t;
+
+  function all_codes return codes_t is
+    variable index      : unsigned(8 downto 0);
+    variable minus, plus : encoded_t;
+    variable differ     : symbol_t;
+    variable codes      : codes_t;
+  begin
+    for number in codes'range loop
+      index  := to_unsigned(number, 9);
+      minus  := encode(byte_t(index(7 downto 0)), index(8), '0');
+      plus   := encode(byte_t(index(7 downto 0)), index(8), '1');
+      differ := minus.symbol xor plus.symbol;
+      codes(number) := minus.symbol & differ(6) & differ(7) & differ(0) & minus.disparity;
+    end loop;
+    return codes;
+  end function;
+
+  constant codes : codes_t := all_codes;
+
+  signal passed    : natural range 0 to clocks_per_bit - 1 := 0;
+  signal place     : natural range 0 to 9 := 0;
+  signal bit_ends  : std_ulogic;
+  signal shift     : symbol_t;
+  signal disparity : std_ulogic;
+  signal code      : code_t; -- of the next symbol
+  signal differ    : symbol_t;
 
 begin
 
   bit_ends <= to_bit(passed = clocks_per_bit - 1);
   take     <= bit_ends and to_bit(place = 7);
   line     <= shift(0);
+  differ   <= (9 => code(3), 8 => code(2), 7 => code(2), 6 => code(3), 5 downto 0 => code(1));
 
   process (clock) is
   begin
@@ -54,21 +78,17 @@ begin
         passed <= passed + 1;
       else
         passed <= 0;
-        if place = 8 then
-          encoded <= encode(now_data, now_control, disparity);
-        end if;
         if place < 9 then
           place <= place + 1;
           shift <= '0' & shift(9 downto 1);
         else
           place     <= 0;
-          shift     <= encoded.symbol;
-          disparity <= encoded.disparity;
+          shift     <= code(13 downto 4) xor (differ and (9 downto 0 => disparity));
+          disparity <= disparity xor code(0);
         end if;
       end if;
       if take = '1' then
-        now_data    <= data;
-        now_control <= control;
+        code <= codes(to_integer(unsigned(control & data)));
       end if;
       if reset = '1' then
         passed    <= 0;

@@ -30,7 +30,7 @@ entity tosnet_packet_in is
     wrong        : in  std_ulogic;
     start        : out std_ulogic;
     valid        : out std_ulogic;
-    data         : out byte_t;
+    data         : out byte_t := x"00";
     done         : out std_ulogic;
     good         : out std_ulogic
   );
@@ -42,7 +42,7 @@ architecture rtl of tosnet_packet_in is
 
   signal state    : state_t;
   signal scramble : byte_t;
-  signal held     : byte_t;     -- a byte, or the checksum
+  signal held     : byte_t := x"00"; -- a byte, or the checksum
   signal sum      : byte_t;
   signal enough   : std_ulogic; -- there was a byte before the held one
 

@@ -8,7 +8,7 @@
 --           between two packets.
 -- Pressure  An item is taken for each symbol. If none is there in the middle of a packet, the packet ends, poisoned,
 --           and the items up to its end are dropped.
--- Seed      A register like the scrambler's, which advances with each K28.1.
+-- Seed      The scrambler's register, which advances with each byte and with each K28.1.
 -- Reset     Sends K28.1.
 
 library ieee;
@@ -40,7 +40,6 @@ architecture rtl of tosnet_packet_out is
   type state_t is (between, begin_symbol, seed_symbol, bytes, drop);
 
   signal state    : state_t;
-  signal seed     : byte_t;
   signal scramble : byte_t;
   signal sum      : byte_t;
   signal ends     : std_ulogic;
@@ -48,20 +47,18 @@ architecture rtl of tosnet_packet_out is
 
 begin
 
-  ends       <= not item_valid or item_data(8);
+  -- The seed is the scrambler's register xor the sum of no bytes.
+  ends       <= not item_valid or item_data(8) or to_bit(state = seed_symbol);
   plain      <= item_data(7 downto 0) when ends = '0' else
-                sum when item_valid = '1' and item_data(0) = '0' else
-                not sum;
+                not sum when state = bytes and (item_valid = '0' or item_data(0) = '1') else
+                sum;
   item_ready <= (take and to_bit(state = bytes)) or to_bit(state = drop);
   busy       <= to_bit(state /= between);
 
-  with state select data <=
-    byte_t(to_unsigned(tosnet_wire_begin_c, 8)) when begin_symbol,
-    seed                                        when seed_symbol,
-    scrambled(plain, scramble)                  when bytes,
-    byte_t(to_unsigned(tosnet_wire_idle_c, 8))  when others;
-
-  control <= to_bit(state = between or state = begin_symbol or state = drop);
+  control <= to_bit(state /= seed_symbol and state /= bytes);
+  data    <= scrambled(plain, scramble) when control = '0' else
+             byte_t(to_unsigned(tosnet_wire_begin_c, 8)) when state = begin_symbol else
+             byte_t(to_unsigned(tosnet_wire_idle_c, 8));
 
   process (clock) is
   begin
@@ -72,31 +69,31 @@ begin
       if take = '1' then
         case state is
           when between =>
-            seed <= next_scramble(seed);
             if item_valid = '1' and go = '1' then
               state <= begin_symbol;
             end if;
           when begin_symbol =>
             state <= seed_symbol;
+            sum   <= x"00";
           when seed_symbol =>
-            scramble <= seed;
-            sum      <= x"00";
-            state    <= bytes;
+            state <= bytes;
           when bytes =>
-            scramble <= next_scramble(scramble);
-            sum      <= next_sum(sum, plain);
+            sum <= next_sum(sum, plain);
             if item_valid = '0' then
               state <= drop;
             elsif ends = '1' then
               state <= between;
             end if;
           when drop =>
-            seed <= next_scramble(seed);
+            null;
         end case;
+        if state = between or state = drop or state = bytes then
+          scramble <= next_scramble(scramble);
+        end if;
       end if;
       if reset = '1' then
-        state <= between;
-        seed  <= byte_t(to_unsigned(tosnet_wire_first_seed_c, 8));
+        state    <= between;
+        scramble <= byte_t(to_unsigned(tosnet_wire_first_seed_c, 8));
       end if;
     end if;
   end process;

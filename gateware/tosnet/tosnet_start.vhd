@@ -87,6 +87,9 @@ architecture rtl of tosnet_start is
   constant rest_bits   : positive := 8; -- a node rests for 128 clocks after its reset
   constant timer_bits  : positive := maximum(bits_for(election_clocks) + 1, rest_bits);
 
+  -- The bits of a number of nodes that may be.
+  constant room : unsigned(3 downto 0) := to_unsigned(2 ** bits_for(most_nodes + 1) - 1, 4);
+
   signal phase      : phase_t;
   signal rests      : std_ulogic; -- after the reset
   signal master     : std_ulogic;
@@ -159,6 +162,8 @@ begin
     variable low    : std_ulogic_vector(3 downto 0);
     variable fits   : std_ulogic; -- a list of this phase begins
     variable passes : std_ulogic; -- and is passed on
+    variable joins  : std_ulogic; -- the node `low` is a member
+    variable leave  : std_ulogic; -- no node is
     variable again  : std_ulogic; -- electing begins again
     variable why    : trouble_t;
 
@@ -185,6 +190,8 @@ begin
       again       := restart;
       why         := cause;
       low         := data(3 downto 0);
+      joins       := '0';
+      leave       := '0';
 
       if bytes > 0 then
         bytes  <= bytes - 1;
@@ -232,13 +239,13 @@ begin
           send(passed);
         end if;
         if fits = '1' and data(5 downto 4) = "00" then
-          own_address <= unsigned(low) when is_master = '0' else "0000";
+          own_address <= unsigned(low) and room when is_master = '0' else "0000"; -- more are refused below
           if passes = '0' then
             flaw <= trouble_too_many;
           end if;
         elsif fits = '1' and data(5 downto 4) = "01" then
-          nodes   <= unsigned(low);
-          members <= (others => '0');
+          nodes   <= unsigned(low) and room; -- more are refused below
+          leave   := '1';
           if unsigned(low) > most_nodes or low = "0000" then
             flaw <= trouble_too_many;
           end if;
@@ -258,7 +265,7 @@ begin
           elsif members(to_integer(unsigned(low))) = '1' then
             flaw <= flaw or trouble_same_id;
           end if;
-          members(to_integer(unsigned(low))) <= '1';
+          joins := '1';
         elsif (lists and is_set) = '1' then
           second     <= not second;
           first_mask <= data;
@@ -373,13 +380,16 @@ begin
         own_address <= "0000";
         master_id  <= "0000";
         nodes      <= "0000";
-        members    <= (others => '0');
+        leave      := '1';
         trouble    <= trouble_none;
         begins     <= '0';
         restarted  <= '0';
         write_entry <= '0';
         write_mask <= '0';
       end if;
+      for number in members'range loop
+        members(number) <= (members(number) or (joins and to_bit(unsigned(low) = number))) and not leave;
+      end loop;
     end if;
   end process;
 

@@ -5,7 +5,8 @@
 -- Write     write_entry and write_mask store one field each at write_index.
 -- Read      entry and mask of read_index, one clock later. They are the fields of nodes that the ring does not have,
 --           too: the reader counts.
--- Memory    16 words, which become block RAM.
+-- Memory    16 words, which become block RAM. In the clock of a write, nothing is read, so that no logic around the RAM
+--           has to say what comes then.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -41,8 +42,10 @@ begin
       if write_mask = '1' then
         masks(to_integer(write_index)) <= write_data;
       end if;
-      entry <= entries(to_integer(read_index));
-      mask  <= masks(to_integer(read_index));
+      if (write_entry or write_mask) = '0' then
+        entry <= entries(to_integer(read_index));
+        mask  <= masks(to_integer(read_index));
+      end if;
     end if;
   end process;
 

@@ -18,12 +18,13 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.bit_pkg.all;
+  use work.width_pkg.all;
 
 entity tosnet_timing is
   generic (
     hop_clocks      : positive := 300;
     pause_clocks    : positive := 192; -- at most hop_clocks
-    watchdog_clocks : positive := 655360
+    watchdog_clocks : positive := 655360 -- at least 2
   );
   port (
     clock       : in std_ulogic;
@@ -63,7 +64,8 @@ architecture rtl of tosnet_timing is
   signal last_way      : natural range 0 to 255;
   signal way_known     : std_ulogic;
 
-  signal calm   : natural range 0 to watchdog_clocks - 1;
+  -- Clocks that are left, less one. The first bit is high at the end.
+  signal calm   : signed(bits_for(watchdog_clocks) downto 0);
 
 begin
 
@@ -138,14 +140,10 @@ begin
       state <= next_state;
       hops  <= next_hops;
 
-      silence <= '0';
-      if good_packet = '1' then
-        calm <= 0;
-      elsif calm = watchdog_clocks - 1 then
-        calm    <= 0;
-        silence <= '1';
-      else
-        calm <= calm + 1;
+      silence <= calm(calm'high) and not good_packet;
+      calm    <= calm - 1;
+      if (good_packet or calm(calm'high)) = '1' then
+        calm <= to_signed(watchdog_clocks - 2, calm'length);
       end if;
 
       if reset = '1' then
@@ -160,7 +158,7 @@ begin
         last_way <= 0;
         way_known <= '0';
         step_passed <= 0;
-        calm    <= 0;
+        calm    <= to_signed(watchdog_clocks - 2, calm'length);
         silence <= '0';
       end if;
     end if;

@@ -45,21 +45,22 @@ architecture rtl of tosnet_walk is
   signal selected  : unsigned(2 downto 0);          -- the highest register of `todo`
   signal others_todo : std_ulogic_vector(7 downto 0);
 
-  -- The node after it.
-  signal index     : unsigned(3 downto 0) := "0000";
-  signal asked     : std_ulogic; -- the table shows the fields of `index`
-  signal next_valid : std_ulogic := '0';
-  signal next_id    : std_ulogic_vector(3 downto 0) := "0000";
-  signal next_mask  : std_ulogic_vector(7 downto 0) := x"00";
-  signal next_own   : std_ulogic;
+  -- The node after it, whose fields the table shows.
+  signal index      : unsigned(3 downto 0) := "0000";
+  signal shown      : std_ulogic := '0'; -- the table shows the fields of `index`
+  signal there_is   : std_ulogic;        -- there is such a node
+  signal next_valid : std_ulogic;        -- it has a register
 
 begin
 
   table_index <= index;
   ready       <= valid;
-  finished    <= not valid and not next_valid and to_bit(index = nodes);
+  finished    <= not valid and not there_is;
   address     <= id & std_ulogic_vector(selected) & section & std_ulogic_vector(place(3 downto 2));
   lane        <= place(1 downto 0);
+
+  there_is    <= to_bit(index /= nodes);
+  next_valid  <= there_is and shown and (or table_mask);
 
   highest : process (all) is
   begin
@@ -90,34 +91,26 @@ begin
         end if;
       end if;
       if ends then
-        valid      <= next_valid;
-        id         <= next_id;
-        mask       <= next_mask;
-        todo       <= next_mask;
-        own        <= next_own;
-        section    <= '0';
-        place      <= "0000";
-        next_valid <= '0';
+        valid   <= next_valid;
+        id      <= table_entry(3 downto 0);
+        mask    <= table_mask;
+        todo    <= table_mask;
+        own     <= to_bit(index = own_address);
+        section <= '0';
+        place   <= "0000";
       end if;
 
-      -- A lookup takes two clocks: one for the index, one for the table.
-      asked <= '0';
-      if next_valid = '0' and index /= nodes then
-        asked <= not asked;
-        if asked = '1' then
-          next_id    <= table_entry(3 downto 0);
-          next_mask  <= table_mask;
-          next_own   <= to_bit(index = own_address);
-          next_valid <= or table_mask;
-          index      <= index + 1;
-        end if;
+      -- A node without a register is passed over. A lookup takes two clocks: one for the index, one for the table.
+      shown <= there_is;
+      if shown = '1' and (ends or next_valid = '0') then
+        index <= index + 1;
+        shown <= '0';
       end if;
 
       if restart = '1' then
-        valid      <= '0';
-        next_valid <= '0';
-        index      <= "0000";
-        asked      <= '0';
+        valid <= '0';
+        index <= "0000";
+        shown <= '0';
       end if;
     end if;
   end process;

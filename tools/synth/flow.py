@@ -43,6 +43,7 @@ class Chip:
 
 
 NARROW = "narrow_"
+WRAPPED = {"narrow_tosnet_joint": "tosnet_node"}  # entities with more than one wrapper
 SIZED = "sized_core"
 # The command line cannot set a generic that is a record.
 SIZED_CORE = """
@@ -167,7 +168,7 @@ def digest(row: Row) -> str:
     said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), engine)).encode())
     with tempfile.TemporaryDirectory() as folder:
         design = [*(design_of(row, Path(folder)) if row.example else []), *wrapper_of(row)]
-        top = "core" if row.example else row.top.removeprefix(NARROW)
+        top = "core" if row.example else WRAPPED.get(row.top, row.top.removeprefix(NARROW))
         for path in (*needed_sources(top, gateware_sources()), *design):
             said.update(plain_text(path).encode() + b"\0")
     return said.hexdigest()[:16]
