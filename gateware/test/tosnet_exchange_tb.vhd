@@ -1,8 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_exchange: the bench is the rest of a ring of random nodes. It gives DATA packets, which may be damaged, too
--- short, too long or of another ring, and checks each byte that the node passes on or sends, each word that it takes,
--- and the messages in the slot.
+-- tosnet_exchange: the bench is the rest of a random ring. It gives DATA packets, which may be damaged, too short, too
+-- long or foreign, and checks each byte that the node passes on or sends, the words that it takes, and the messages.
 
 library ieee;
   use ieee.std_logic_1164.all;

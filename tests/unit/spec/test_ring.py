@@ -186,3 +186,15 @@ def test_a_line_that_cannot_carry_every_cycle() -> None:
 def test_without_a_ring_the_cycle_is_an_event_from_outside() -> None:
     spec = clean("public a() { @x = 0x1: READ(PUBLISH(on cycle)); }")
     assert spec.devices[0].groups[0].rate_hz is None
+
+
+def test_nodes_are_inside_or_on_a_ring() -> None:
+    ring = compile_text("public a(u) { TOSNET(COMM=u, NODES=ring); @x = 0x80: READ(); }", "a.ul")
+    assert ring.spec is not None and ring.spec.roots[0].link.ring.nodes == "ring"
+    plain = compile_text("public a(u) { TOSNET(COMM=u); @x = 0x80: READ(); }", "a.ul")
+    assert plain.spec is not None and plain.spec.roots[0].link.ring.nodes == "inside"
+    assert plain.spec.hash != ring.spec.hash
+    wrong = compile_text("public a(u) { TOSNET(COMM=u, NODES=line); @x = 0x80: READ(); }", "a.ul")
+    (found,) = wrong.diagnostics
+    assert (found.code, found.message) == ("UL108", "NODES is line")
+    assert "NODES=ring" in found.hint

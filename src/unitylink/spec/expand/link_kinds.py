@@ -59,8 +59,9 @@ def bind_link(
         node_id = scope.link_property("NODE")
         ring = RingOptions(
             None if node_id is None else _number(node_id, (0, _NODE_MAX), 0, names, evaluator),
-            *(_rate(scope.link_property(key), names, evaluator) for key in _RATES),
-            nodes=_nodes(scope.link_property("NODES"), evaluator),
+            _rate(scope.link_property("BAUD"), names, evaluator),
+            _rate(scope.link_property("CYCLE_RATE"), names, evaluator),
+            _nodes(scope.link_property("NODES"), evaluator),
         )
     return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link, ring)
 
