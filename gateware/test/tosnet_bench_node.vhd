@@ -40,6 +40,7 @@ entity tosnet_bench_node is
     stale     : out natural;
     restarts  : out natural;
     oldest_set : out time;   -- of all that were taken for fresh
+    age        : out time;   -- of the oldest set of the last fresh cycle
     address   : out natural range 0 to 15;
 
     post_message    : in  std_ulogic;                     -- each change posts a message
@@ -178,6 +179,7 @@ begin
     variable first_cycle   : boolean   := true;
     variable where         : natural;
     variable who           : natural;
+    variable oldest_now    : time;
 
     -- One set: a node's words of one direction.
     procedure judge (node : natural; direction : natural; allow_nothing : boolean) is
@@ -201,6 +203,7 @@ begin
                 first_stamp := unsigned(word(21 downto 0));
                 check(age_of(first_stamp) <= oldest, "node " & integer'image(id) & " takes a set of node "
                       & integer'image(ring(node).id) & " for fresh that is old: " & time'image(age_of(first_stamp)));
+                oldest_now := maximum(oldest_now, age_of(first_stamp));
                 if age_of(first_stamp) > oldest_set then
                   oldest_set <= age_of(first_stamp);
                 end if;
@@ -231,6 +234,7 @@ begin
 
       if strobe = '1' then
         if strobe_fresh = '1' then
+          oldest_now := 0 ns;
           for node in ring'range loop
             if is_master = '1' and node /= place then
               judge(node, 0, false);
@@ -243,6 +247,7 @@ begin
             end if;
           end loop;
           shown       := hidden;
+          age         <= oldest_now;
           first_cycle := false;
           fresh       <= fresh + 1;
         else
