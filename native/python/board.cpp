@@ -118,6 +118,10 @@ DeviceConfiguration configuration_of(nb::handle object) {
     for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
       result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
     }
+    for (nb::handle safe : nb::object(tosnet.attr("node_safe"))) {
+      result.tosnet.node_safe.push_back(
+          {word_of(nb::object(safe[0]), "node_safe"), word_of(nb::object(safe[1]), "node_safe")});
+    }
     if (const nb::object group = tosnet.attr("event_group"); !group.is_none()) {
       result.tosnet.event_group = word_of(group, "event_group");
     }

@@ -13,6 +13,7 @@ from unitylink.errors import BindingError
 from unitylink.generate import planned_files
 from unitylink.generate.spec_plan import SpecPlan
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.simulate import Board
 from unitylink.simulate.registers import Registers
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import load
@@ -70,6 +71,28 @@ def test_a_ring_of_five_designs_moves_four_joints_in_one_cycle() -> None:
                 assert all(max(row[4:]) - min(row[4:]) <= 1 for row in seen), seen
                 assert {value for row in seen for value in row[:4]} <= {before, target & 0xFFFFFFFF}
                 before = target & 0xFFFFFFFF
+
+
+def safe_when_broken(board: Board) -> list[int]:
+    """Return what a node sees as its speed limit: commanded, while the ring is broken, and after it."""
+    seen = []
+    with board, Link(f"{board.url}?timeout=10") as link:
+        online(link)
+        for joint in JOINTS:
+            link.write(joint * 64 + 5, 123)
+        committed(link)
+        for asked in (True, False, True):
+            board.set_online(asked)
+            wanted, end = (123 if asked else 0), time.monotonic() + 60
+            while any(board.registers[joint * 64 + 5] != wanted for joint in JOINTS):
+                assert time.monotonic() < end
+            seen.append(board.registers[2 * 64 + 5])
+    return seen
+
+
+def test_a_broken_ring_makes_nodes_safe_on_the_twin_and_in_the_gateware() -> None:
+    spec = load(SPEC)
+    assert safe_when_broken(RtlBoard(spec)) == safe_when_broken(Board(spec)) == [123, 0, 123]
 
 
 def test_each_node_has_an_entity_of_its_own(tmp_path: Path) -> None:

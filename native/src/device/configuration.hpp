@@ -26,6 +26,12 @@ struct TosnetNode {
   std::uint8_t registers = 0xFF;  // bit r: register r is enabled
 };
 
+// The value of an output after a trip of the dead-man.
+struct SafeValue {
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;
+};
+
 struct TosnetConfiguration {
   bool present = false;
   std::uint32_t base = 0;
@@ -34,6 +40,7 @@ struct TosnetConfiguration {
   std::uint32_t cycle_clocks = 5000;     // one network cycle: 100 us at 50 MHz
   std::uint32_t max_skipped_writes = 0;  // after so many cycles without a commit the system halts; 0: never
   std::vector<TosnetNode> nodes;
+  std::vector<SafeValue> node_safe;  // what nodes of a ring see there while it is broken
   // the group whose event input each cycle drives; its edge counts
   std::optional<std::uint32_t> event_group = std::nullopt;
 };
@@ -49,12 +56,6 @@ struct FifoConfiguration {
 struct DoubleBufferConfiguration {
   std::uint32_t base = 0;
   std::uint32_t size = 16;  // words in a bank
-};
-
-// The value of an output after a trip of the dead-man.
-struct SafeValue {
-  std::uint32_t address = 0;
-  std::uint32_t value = 0;
 };
 
 // The settings (protocol/protocol.toml), the parts around the core, and the tables of the spec.

@@ -184,6 +184,13 @@ BusReply Tosnet::get(std::uint32_t address, Clock now) {
   if (address >= map::memory_words) {
     return address == map::status ? BusReply{BusStatus::ok, status()} : BusReply{BusStatus::error, 0};
   }
+  if (!online_) {
+    for (const SafeValue& safe : configuration_.node_safe) {
+      if (safe.address == address) {
+        return {BusStatus::ok, safe.value};
+      }
+    }
+  }
   return {BusStatus::ok, writable(address) ? banks_[write_bank_ ^ 1u][address] : outputs_[address]};
 }
 

@@ -17,6 +17,7 @@ from unitylink.protocol import (
     READ_MANY_MAX,
     SMALL_ENGINE_GROUPS_MAX,
     TOSNET_ADDRESS_BITS,
+    TOSNET_MEMORY_WORDS,
     TOSNET_RING_BAUD_HZ,
 )
 from unitylink.settings import SETTINGS, Setting, Settings
@@ -56,6 +57,7 @@ class TosnetConfiguration:
     nodes: tuple[TosnetNode, ...] = ()
     ring: str = ""  # "": no line; "pins": to nodes of their own; "inside": to nodes in the same simulation
     line_baud_hz: int = TOSNET_RING_BAUD_HZ
+    node_safe: tuple[tuple[int, int], ...] = ()  # (offset, word): what its nodes see while a ring is broken
     clock_hz: int = CLOCK_HZ_DEFAULT
     event_group: int | None = None
 
@@ -392,6 +394,8 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
             "network: simulate each public constructor on its own"
         )
     ring = ring_at(spec, bases[0])
+    own = range(ring.base, ring.base + TOSNET_MEMORY_WORDS)
+    safe = safe_words(spec, spec.devices[0].link.data_bits) if ring.options.nodes == "ring" else ()
     return TosnetConfiguration(
         base=ring.base,
         master_id=ring.own.id,
@@ -400,5 +404,6 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
         nodes=tuple(TosnetNode(node.id, node.registers) for node in ring.nodes if node.id),
         ring="pins" if ring.options.nodes == "ring" else "",
         line_baud_hz=ring.baud_hz,
+        node_safe=tuple((address - ring.base, word) for address, word in safe if address in own),
         event_group=next((g.number for d in spec.devices for g in d.groups if g.event == CYCLE), None),
     )

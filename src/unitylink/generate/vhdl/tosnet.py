@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from unitylink.errors import BindingError
-from unitylink.interface.board_configuration import BoardConfiguration, TosnetNode
+from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.protocol import TOSNET_NODE_SHIFT
 from unitylink.spec.model import Spec
 
@@ -47,24 +47,18 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | No
         reads=tuple(Wire(n, words.read[address], None) for n, address in enumerate(reads)),
         writes=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(writes)),
         lines=() if tosnet.event_group is None else (tosnet.event_group,),
-        ring=tuple(
-            _node(number, node, configuration, words, spec) for number, node in enumerate(tosnet.nodes, 1)
-        )
+        ring=tuple(_node(number, node, tosnet, words, spec) for number, node in enumerate(tosnet.nodes, 1))
         if tosnet.ring
         else (),
     )
 
 
-def _node(
-    number: int, node: TosnetNode, configuration: BoardConfiguration, words: WordMap, spec: Spec
-) -> RingNode:
-    tosnet = configuration.tosnet
-    assert tosnet is not None
+def _node(number: int, node: TosnetNode, tosnet: TosnetConfiguration, words: WordMap, spec: Spec) -> RingNode:
     first = tosnet.base + (node.id << TOSNET_NODE_SHIFT)
     own = range(first, first + (1 << TOSNET_NODE_SHIFT))
     takes = [address for address in words.write if address in own]
     gives = [address for address in words.read if address in own]
-    safe = [(address, word) for address, word in configuration.safe_words if address in takes]
+    safe = [(offset, word) for offset, word in tosnet.node_safe if tosnet.base + offset in takes]
     ports = tuple(
         NodePort(name, (takes if to_node else gives).index(element.address), len(element.addresses), to_node)
         for _, name, element in named_elements(spec)
@@ -80,7 +74,7 @@ def _node(
         reads=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(takes)),
         writes=tuple(Wire(n, words.read[address], None) for n, address in enumerate(gives)),
         ports=ports,
-        safe_addresses=_aggregate(_offsets([address for address, _ in safe], tosnet.base), _NO_ADDRESSES),
+        safe_addresses=_aggregate(_offsets([offset for offset, _ in safe], 0), _NO_ADDRESSES),
         safe_values=_aggregate([Vhdl.of('x"{:08X}"', word) for _, word in safe], Vhdl("tosnet_no_words_c")),
     )
 
