@@ -33,8 +33,9 @@ end entity;
 
 architecture rtl of tosnet_line_out is
 
-  -- All symbols, for a byte or a control symbol: the one after a negative disparity, the bits that differ from it after
- -- a positive one (`j` and `f`, `h` and `g`, all others), and whether it changes the disparity. It becomes block RAM.
+  -- All symbols, for a byte or a control symbol: the one after a negative disparity, the bits that differ from it
+  -- after a positive one (`j` and `f`, `h` and `g`, all others), and whether it changes the disparity. This becomes
+  -- block RAM.
   subtype code_t is std_ulogic_vector(13 downto 0);
   type codes_t is array (0 to 511) of code_t;
 

@@ -25,7 +25,7 @@
 --           the ring starts again: `restarted`, and `trouble` says why.
 -- Channel   With `channel`, messages of up to 12 bytes travel beside the words (tosnet_mailbox). A message in a damaged
 --           packet is lost.
--- Reset     The node is silent for 100 clocks and then joins the ring, which starts again.
+-- Reset     The node is silent for 128 clocks and then joins the ring, which starts again.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -8,6 +8,7 @@ from bus_blocks import BUS_BLOCKS
 from component_blocks import COMPONENT_BLOCKS
 from physical_blocks import PHYSICAL_BLOCKS
 from small_blocks import SMALL_BLOCKS
+from tosnet_blocks import TOSNET_BLOCKS
 
 BLOCKS = (
     Block(
@@ -41,6 +42,7 @@ BLOCKS = (
     ),
     *BUS_BLOCKS,
     *PHYSICAL_BLOCKS,
+    *TOSNET_BLOCKS,
     Block(
         "receiver",
         "`datalink/decoder` and `datalink/receiver`, CRC-8, messages of fewer than 5 entries",

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is proven about a node of a TosNet ring."""
+
+from __future__ import annotations
+
+from block import Block, Mutant
+
+TOSNET_BLOCKS = (
+    Block(
+        "tosnet_code",
+        "`tosnet/tosnet_code_pkg`: 8b10b, scrambler and checksum of the TosNet line",
+        depth=2,
+        induction=1,
+        not_proven="that all symbols that do not exist are told: one wrong bit may make another symbol",
+        mutants=(
+            Mutant("tosnet_code_pkg.vhd", '"100111", "101001"', '"100110", "101001"'),
+            Mutant("tosnet_code_pkg.vhd", "so_far := disparity xor to_bit(swap);", "so_far := disparity;"),
+            Mutant("tosnet_code_pkg.vhd", "elsif so_far = '0' and control = '1' then", "elsif false then"),
+            Mutant(
+                "tosnet_code_pkg.vhd",
+                "return (scramble(1) xor scramble(0)) &",
+                "return (scramble(1) and scramble(0)) &",
+            ),
+            Mutant(
+                "tosnet_code_pkg.vhd",
+                "(rest(6 downto 0) & '0') xor polynomial",
+                "(rest(6 downto 0) & '1') xor polynomial",
+            ),
+        ),
+    ),
+    Block(
+        "tosnet_packet",
+        "`tosnet/tosnet_packet_out` and `tosnet_packet_in`, without line errors, a symbol in each clock",
+        depth=0,
+        deep=22,
+        not_proven="damaged symbols, longer packets: the benches test them",
+        mutants=(
+            Mutant(
+                "tosnet_packet_out.vhd",
+                "(item_valid = '0' or item_data(0) = '1') else",
+                "item_data(0) = '1' else",
+            ),
+            Mutant("tosnet_packet_out.vhd", 'sum   <= x"00";', "null;"),
+            Mutant("tosnet_packet_in.vhd", "scramble <= next_scramble(scramble);", "null;"),
+            Mutant("tosnet_packet_in.vhd", "enough   <= to_bit(state = more);", "enough   <= '1';"),
+        ),
+    ),
+    Block(
+        "tosnet_walk",
+        "`tosnet/tosnet_walk` in a ring of two nodes, with any registers",
+        depth=8,
+        pdr=True,
+        reach=70,
+        not_proven="larger rings, and that no register is left out: the bench tests them",
+        mutants=(
+            Mutant("tosnet_walk.vhd", "others_todo(to_integer(selected)) <= '0';", "null;"),
+            Mutant("tosnet_walk.vhd", "section <= '1';", "section <= '0';"),
+            Mutant("tosnet_walk.vhd", "if place = 15 then", "if place = 14 then"),
+        ),
+    ),
+)
