@@ -25,7 +25,7 @@ end entity;
 architecture properties of tosnet_code_formal is
 
   -- Division by x8 + x6 + x5 + x2 + 1, one bit after the other.
-  function serial(sum : byte_t; data : byte_t) return byte_t is
+  function serial_sum(sum : byte_t; data : byte_t) return byte_t is
     variable rest : byte_t := sum;
     variable top  : std_ulogic;
   begin
@@ -113,7 +113,7 @@ begin
   never_stops : assert always scramble /= x"00" -> next_scramble(scramble) /= x"00";
 
   -- The parallel function of a byte gives the same sum as its bits one by one.
-  parallel_is_serial : assert always next_sum(sum, data) = serial(sum, data);
+  parallel_is_serial : assert always next_sum(sum, data) = serial_sum(sum, data);
 
   -- The sum of a difference is the difference of the sums.
   linear : assert always both = next_sum(sum xor other, change);

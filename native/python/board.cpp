@@ -61,15 +61,6 @@ struct SettingReader {
   [[nodiscard]] nb::object attribute(const char* name) const { return from.attr(name); }
 };
 
-// The addresses in an attribute, in their order.
-std::vector<std::uint32_t> addresses_of(nb::handle object, const char* name) {
-  std::vector<std::uint32_t> result;
-  for (nb::handle address : nb::object(object.attr(name))) {
-    result.push_back(word_of(address, name));
-  }
-  return result;
-}
-
 }  // namespace
 
 std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
@@ -118,10 +109,7 @@ DeviceConfiguration configuration_of(nb::handle object) {
     for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
       result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
     }
-    for (nb::handle safe : nb::object(tosnet.attr("node_safe"))) {
-      result.tosnet.node_safe.push_back(
-          {word_of(nb::object(safe[0]), "node_safe"), word_of(nb::object(safe[1]), "node_safe")});
-    }
+    result.tosnet.node_safe = safe_values_of(tosnet, "node_safe");
     if (const nb::object group = tosnet.attr("event_group"); !group.is_none()) {
       result.tosnet.event_group = word_of(group, "event_group");
     }
@@ -139,10 +127,7 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle one : nb::object(object.attr("components"))) {
     result.components.push_back(component_configuration_of(one, result.data_bits));
   }
-  for (nb::handle safe : nb::object(object.attr("safe_words"))) {
-    result.safe_words.push_back(
-        {word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
-  }
+  result.safe_words = safe_values_of(object, "safe_words");
   result.flag_words = addresses_of(object, "flag_words");
   result.strobe_words = addresses_of(object, "strobe_words");
   std::sort(result.flag_words.begin(), result.flag_words.end());

@@ -18,6 +18,24 @@ namespace unitylink::python {
 
 using BoardWords = std::vector<std::uint32_t>;
 
+// The addresses in an attribute, in their order.
+inline BoardWords addresses_of(nanobind::handle object, const char* name) {
+  BoardWords result;
+  for (nanobind::handle address : nanobind::object(object.attr(name))) {
+    result.push_back(word_of(address, name));
+  }
+  return result;
+}
+
+// The values of a dead-man, or of a broken ring, in an attribute.
+inline std::vector<device::SafeValue> safe_values_of(nanobind::handle object, const char* name) {
+  std::vector<device::SafeValue> result;
+  for (nanobind::handle safe : nanobind::object(object.attr(name))) {
+    result.push_back({word_of(nanobind::object(safe[0]), name), word_of(nanobind::object(safe[1]), name)});
+  }
+  return result;
+}
+
 // The words up to the first one that cannot be read.
 template <class PythonBoard>
 BoardWords get_many(PythonBoard& board, const BoardWords& addresses) {
