@@ -261,12 +261,14 @@ begin
         came     := (others => false);
       end if;
 
-      who := to_integer(unsigned(send_address(9 downto 6)));
-      send_word <= send_address & std_ulogic_vector(stamp);
-      if is_master = '1' and who /= id and send_address(2) = '0' then
-        send_word <= shown(to_integer(unsigned(send_address)));
-        if not known(who) then
-          send_word <= (others => '0');
+      if reset = '0' then
+        who := to_integer(unsigned(send_address(9 downto 6)));
+        send_word <= send_address & std_ulogic_vector(stamp);
+        if is_master = '1' and who /= id and send_address(2) = '0' then
+          send_word <= shown(to_integer(unsigned(send_address)));
+          if not known(who) then
+            send_word <= (others => '0');
+          end if;
         end if;
       end if;
     end if;

@@ -112,7 +112,7 @@ architecture rtl of tosnet_node is
   signal take, out_control         : std_ulogic;
   signal out_data                  : byte_t;
 
-  signal begins, restart, was_lost, silence, foreign, way_changed : std_ulogic;
+  signal begins, restart, flush, was_lost, silence, foreign, way_changed : std_ulogic;
   signal cause     : trouble_t;
   signal master_id : std_ulogic_vector(3 downto 0);
   signal members   : std_ulogic_vector(15 downto 0);
@@ -251,11 +251,14 @@ begin
   put_item            <= start_item when start_item_valid = '1' else exchange_item;
   exchange_item_ready <= put_ready and not start_item_valid;
 
+  -- A packet that was under way when the ring starts again has no end. So nothing of it stays.
+  flush <= reset or restarted;
+
   -- A packet that comes waits here until the hop's time has come.
   queue : entity work.fifo
     generic map (width => item_t'length, depth => 16)
     port map (
-      clock => clock, reset => reset, write_valid => put_valid, write_ready => put_ready, write_data => put_item,
+      clock => clock, reset => flush, write_valid => put_valid, write_ready => put_ready, write_data => put_item,
       read_valid => out_valid, read_ready => out_ready, read_data => out_item);
 
   hold : process (clock) is
@@ -278,7 +281,7 @@ begin
 
   sender : entity work.tosnet_packet_out
     port map (
-      clock => clock, reset => reset, go => go, item_valid => out_valid, item_ready => out_ready,
+      clock => clock, reset => flush, go => go, item_valid => out_valid, item_ready => out_ready,
       item_data => out_item, busy => open, take => take, data => out_data, control => out_control);
 
   transmitter : entity work.tosnet_line_out

@@ -126,7 +126,7 @@ begin
 
   running     <= to_bit(phase = goes) and not rests;
   is_master   <= master when may_be_master else '0';
-  item_valid  <= to_bit(bytes > 0) or ends;
+  item_valid  <= (to_bit(bytes > 0) or ends) and not restarted;
   item_data   <= '0' & byte when bytes > 0 else item_end(8 downto 1) & poison;
   write_index <= count;
   write_data  <= data; -- it stands still until the next symbol
@@ -193,7 +193,9 @@ begin
       joins       := '0';
       leave       := '0';
 
-      if bytes > 0 then
+      if restarted = '1' then
+        null; -- what was to be sent before is dropped in this clock
+      elsif bytes > 0 then
         bytes  <= bytes - 1;
         source <= entry when source = head and phase = counting else mask;
       else

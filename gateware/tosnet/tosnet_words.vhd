@@ -121,16 +121,18 @@ begin
         sending <= write_words;
       end if;
       word := (others => '0');
-      for place in write_map'range loop
-        if is_place(send_address, write_map(place)) then
-          word := word or sending(place);
-        end if;
-      end loop;
-      for place in read_map'range loop
-        if is_place(send_address, read_map(place)) and missing = '0' then
-          word := word or read_words(place);
-        end if;
-      end loop;
+      if reset = '0' then
+        for place in write_map'range loop
+          if is_place(send_address, write_map(place)) then
+            word := word or sending(place);
+          end if;
+        end loop;
+        for place in read_map'range loop
+          if is_place(send_address, read_map(place)) and missing = '0' then
+            word := word or read_words(place);
+          end if;
+        end loop;
+      end if;
       send_word <= word;
       if reset = '1' then
         passed  <= "000";
