@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("mujoco")
+pytestmark = pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "reach"
 
