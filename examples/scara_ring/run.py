@@ -36,7 +36,6 @@ class Run:
     """What the PC saw, with the times of the device in s."""
 
     seen: list[tuple[float, list[float]]] = field(default_factory=list)
-    speeds: list[list[float]] = field(default_factory=list)
     cut_s: float = 0.0
     offline_s: float = 0.0
     mended_s: float = 0.0
@@ -58,7 +57,6 @@ class Ring:
         """Keep what one cycle has published."""
         joints = ("j1", "j2", "j3", "j4")
         self.run.seen.append((time_s, [float(values[f"{joint}.position"]) for joint in joints]))
-        self.run.speeds.append([float(values[f"{joint}.speed"]) for joint in joints])
 
     def command(self, targets: tuple[float, ...]) -> None:
         """Send targets and speed limits. While the ring is not complete, try again."""

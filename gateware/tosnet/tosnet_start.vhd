@@ -194,7 +194,7 @@ begin
       leave       := '0';
 
       if restarted = '1' then
-        null; -- what was to be sent before is dropped in this clock
+        null; -- what is sent next waits, because the queue behind this is emptied in this clock
       elsif bytes > 0 then
         bytes  <= bytes - 1;
         source <= entry when source = head and phase = counting else mask;

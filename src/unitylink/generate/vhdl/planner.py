@@ -109,7 +109,7 @@ class _Planner:
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
         )
-        tosnet = planned_tosnet(self.spec, self.configuration)
+        tosnet = planned_tosnet(self.spec, self.configuration, self.words)
         if tosnet is not None and tosnet.configuration.ring == "pins":
             self.ports += [
                 Port("ring_in", "in", Vhdl("std_ulogic")),

@@ -19,8 +19,8 @@ _NO_ADDRESSES = Vhdl("tosnet_no_addresses_c")
 _SAMPLES_LEAST = 3  # of a bit on the line (tosnet_line_in)
 
 
-def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | None:
-    """Return the slave, or None for a spec without a TOSNET.
+def planned_tosnet(spec: Spec, configuration: BoardConfiguration, words: WordMap) -> Tosnet | None:
+    """Return the slave, or None for a spec without a TOSNET. `words` are those of the design's ports.
 
     Raises BindingError for a line that is too fast for the clock.
     """
@@ -33,7 +33,8 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration) -> Tosnet | No
             f"{_SAMPLES_LEAST} clocks of {configuration.clock_hz:,} Hz; write a lower BAUD in TOSNET, "
             "or choose a faster clock"
         )
-    words = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
+    if tosnet.ring == "pins":  # the ports do not have the words of the nodes
+        words = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
     reads, writes = ([one for one in indices if one in inside] for indices in (words.read, words.write))
     nodes = [Vhdl.of('(id => {}, registers => x"{:02X}")', node.id, node.registers) for node in tosnet.nodes]
     return Tosnet(

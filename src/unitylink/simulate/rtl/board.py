@@ -8,6 +8,7 @@ from typing import Any
 
 from unitylink import _native
 from unitylink.errors import UnityLinkError
+from unitylink.generate.vhdl import RING_CUT
 from unitylink.generate.vhdl.settings import core_settings_of
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.interface.components import check_clock
@@ -117,9 +118,7 @@ class RtlBoard(ModelBoard):
         if steps:
             made = replace(made, trace_program=steps, settings=core_settings_of(chosen))
         model = build_model(made, progress)
-        self._lines = (
-            1 + len(chosen.tosnet.nodes) if chosen.tosnet and chosen.tosnet.ring and not design else 0
-        )
+        self._lines = len(made.pin_places[-1][0]) if RING_CUT in made.pins else 0  # of a ring
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
         super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
