@@ -5,7 +5,8 @@
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-learn   an arm learns to reach on the twin in MuJoCo, then the policy drives the VHDL, and its line is
 #                cut on the way (about four minutes)
-#   make demo-tosnet   a SCARA whose joints are nodes of a ring, all of them compiled VHDL, loses a fibre and goes on
+#   make demo-tosnet   a SCARA whose joints are nodes of a ring, five twins and then five compiled designs, loses a
+#                fibre and goes on
 #   make demo-serve   the SCARA moves, and its page in the browser shows it; prints the page's URL (SECONDS=20: so long)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
@@ -100,6 +101,7 @@ demo-learn: $(VENV)/.built
 demo-tosnet: $(VENV)/.built
 	@tools/setup.sh group demo
 	@tools/setup.sh rtl
+	$(BIN)/python examples/scara_ring/run.py --twin
 	$(BIN)/python examples/scara_ring/run.py --picture build/scara_ring.png
 
 demo-serve: $(VENV)/.built

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <utility>
 
 #include "device/component/component.hpp"
 #include "device/component/signed_value.hpp"
@@ -109,12 +110,12 @@ class Pid final : public Component {
     error_ = wrapped(goal - now, 32);
     moved_ = fresh_ ? 0 : wrapped(now - before_, 32);
     before_ = now;
-    fresh_ = false;
+    const bool takes = std::exchange(fresh_, false) || applies_;
     lost_ = !wires_[feedback].valid;
     limit_ = limit_now();
     velocity_ = given(velocity_wire, target_velocity);
     acceleration_ = given(acceleration_wire, target_acceleration);
-    if (applies_) {
+    if (takes) {
       for (std::uint32_t number = 0; number < gains_.size(); ++number) {
         gains_[number] = gain(kp + number);
       }

@@ -17,7 +17,7 @@
 --   +7   kd in 1/256 per count a period                       +8  kv as kd, of the target velocity
 --   +9   ka in 256 per count a period squared, of the target acceleration
 --   +10  limit of the output, in its counts                   +11 error at which it trips, 24 bits; 0 never
---   +12  apply (write): the loop takes all gains, kp to ka, at its next period
+--   +12  apply (write): the loop takes all gains, kp to ka, at its next period. It takes them when it starts, too.
 --   +13  output (read)                                        +14 error (read)
 --
 -- Formats   The error is a difference of 32 bits, which may wrap, and is then limited to 24 bits. The rate of change is
@@ -222,7 +222,7 @@ begin
             fresh <= '0';
             operands(2) <= given(target_velocity_wire, write_words(3));
             operands(3) <= given(target_acceleration_wire, write_words(4));
-            if applies = '1' then
+            if applies = '1' or fresh = '1' then
               gains   <= (unsigned(write_words(5)(gain_t'range)), unsigned(write_words(7)(gain_t'range)),
                           unsigned(write_words(8)(gain_t'range)), unsigned(write_words(9)(gain_t'range)),
                           unsigned(write_words(6)(gain_t'range)));

@@ -123,13 +123,20 @@ begin
 
     -- Only what was applied counts, and the sign is that of the error.
     put(2, 100);
-    put(5, 2 * one);
     put(0, 1);
+    expect(0, "no gain");
+    put(5, 2 * one);
     expect(0, "no gain was applied");
     put(12, 1);
     expect(200, "kp");
     put(5, 5 * one);
     expect(200, "a gain that was not applied");
+    put(0, 0);
+    put(0, 1);
+    expect(500, "a start takes the gains");
+    put(5, 2 * one);
+    put(12, 1);
+    expect(200, "kp again");
     turn(130);
     expect(-60, "kp, back");
     bus_expect(clock, m2s, s2m, 14, std_ulogic_vector(to_signed(-30, 32)));

@@ -23,10 +23,12 @@ def save(run: Run, path: Path) -> None:
     figure, axes = plt.subplots(figsize=(8, 3.6), layout="constrained")
     begin = run.seen[0][0]
     times = [time_s - begin for time_s, _ in run.seen]
-    gap = next((at for at, time_s in enumerate(times) if time_s + begin > run.cut_s), len(times))
+    # While the fibre is cut, the PC does not know where the joints are.
+    ends = next((at for at, time_s in enumerate(times) if time_s + begin > run.cut_s), len(times))
+    goes_on = next((at for at, time_s in enumerate(times) if time_s + begin > run.mended_s), len(times))
     for joint, colour in enumerate(COLOURS):
         values = [row[joint] for _, row in run.seen]
-        for part in (slice(None, gap), slice(gap, None)):
+        for part in (slice(None, ends), slice(goes_on, None)):
             label = f"joint {joint + 1}" if part.start is None else ""
             axes.plot(times[part], values[part], color=colour, label=label)
     axes.axvspan(run.cut_s - begin, run.mended_s - begin, color="#fee4e2", label="a fibre is cut")

@@ -1,15 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The four drives behind the ring: each turns its joint to its target, within its speed limit."""
+"""The four joints: each motor turns its joint as its bridge lets it, and an encoder shows the angle."""
 
 from __future__ import annotations
+
+import math
 
 from unitylink.simulate import Registers
 from unitylink.spec import Spec
 
-NODES = (2, 3, 4, 5)
-POSITION, SPEED, TARGET, LIMIT = 0, 1, 4, 5  # words of a node
-COUNTS_A_RAD, COUNTS_A_RAD_S = 1e5, 1e4
-STIFFNESS_HZ = 8.0  # of the position loop
+JOINTS = ("j1", "j2", "j3", "j4")
+SPEED = 5.0  # rad/s of a joint at full duty
+TIME_CONSTANT_S = 0.02
+COUNTS = 65536  # of an encoder, for a turn of the joint
+
+
+class Joint:
+    """A DC motor with a gear, which stands still soon after its bridge is off."""
+
+    def __init__(self, name: str, registers: Registers) -> None:
+        self.motor, self.shaft = registers.components[f"{name}.motor"], registers.components[f"{name}.shaft"]
+        self.angle = self.speed = 0.0  # rad, rad/s
+
+    def step(self, seconds: float) -> None:
+        """Turn with the mean voltage of the bridge."""
+        duty = self.motor.duty("pins", 0) - self.motor.duty("pins", 2)  # high gate A forward, B back
+        self.speed += (SPEED * duty - self.speed) * (1 - math.exp(-seconds / TIME_CONSTANT_S))
+        self.angle += self.speed * seconds
+        self.shaft.turn(self.angle * COUNTS / (2 * math.pi), seconds)
 
 
 class Plant:
@@ -18,19 +35,9 @@ class Plant:
     period_s = 1e-3
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
-        self.registers = registers
-        self.at = [0.0] * len(NODES)  # rad
+        """Find the parts by their names."""
+        self.joints = [Joint(name, registers) for name in JOINTS]
 
     def step(self, time_s: float) -> None:
-        for joint, node in enumerate(NODES):
-            target = signed(self.registers[64 * node + TARGET]) / COUNTS_A_RAD
-            limit = signed(self.registers[64 * node + LIMIT]) / COUNTS_A_RAD_S
-            speed = min(max(STIFFNESS_HZ * (target - self.at[joint]), -limit), limit)
-            self.at[joint] += speed * self.period_s
-            self.registers[64 * node + POSITION] = round(self.at[joint] * COUNTS_A_RAD) & 0xFFFFFFFF
-            self.registers[64 * node + SPEED] = round(speed * COUNTS_A_RAD_S) & 0xFFFFFFFF
-
-
-def signed(word: int) -> int:
-    """Return the number that a word of 32 bits stands for."""
-    return word - (word >> 31 << 32)
+        for joint in self.joints:
+            joint.step(self.period_s)

@@ -126,6 +126,9 @@ DeviceConfiguration configuration_of(nb::handle object) {
   }
   for (nb::handle one : nb::object(object.attr("components"))) {
     result.components.push_back(component_configuration_of(one, result.data_bits));
+    for (CarriedWord& carried : result.components.back().carried) {
+      carried.address -= result.tosnet.base;
+    }
   }
   result.safe_words = safe_values_of(object, "safe_words");
   result.flag_words = addresses_of(object, "flag_words");

@@ -47,6 +47,17 @@ ComponentConfiguration component_configuration_of(nb::handle from, std::uint32_t
     result.connections.push_back(
         {nb::cast<std::uint32_t>(lead[0]), nb::cast<std::uint32_t>(lead[1]), nb::cast<std::uint32_t>(lead[2])});
   }
+  if (const nb::object node = from.attr("node"); !node.is_none()) {
+    result.node = nb::cast<std::uint32_t>(node);
+  }
+  for (nb::handle word : nb::object(from.attr("carried"))) {
+    result.carried.push_back(
+        {nb::cast<std::uint32_t>(word[0]), nb::cast<std::uint32_t>(word[1]), nb::cast<bool>(word[2])});
+  }
+  for (nb::handle word : nb::object(from.attr("constants"))) {
+    result.constants.push_back(
+        {nb::cast<std::uint32_t>(word[0]), nb::cast<std::uint32_t>(word[1]), nb::cast<std::uint32_t>(word[2])});
+  }
   return result;
 }
 

@@ -3,18 +3,24 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_the_ring_loses_a_fibre_and_goes_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("options", [["--twin"], []], ids=["twins", "designs"])
+def test_the_ring_loses_a_fibre_and_goes_on(options: list[str], tmp_path: Path) -> None:
     picture = tmp_path / "ring.svg"
-    command = [sys.executable, str(ROOT / "examples/scara_ring/run.py"), "--picture", str(picture)]
+    command = [sys.executable, str(ROOT / "examples/scara_ring/run.py"), *options, "--picture", str(picture)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "a write says: targets: the TosNet network is offline" in done.stdout
+    safe = re.search(r"all gates are off ([\d.]+) ms after the cut, and it may take ([\d.]+) ms", done.stdout)
+    assert safe and float(safe[1]) <= float(safe[2])
     assert "mended: all joints are at their second target" in done.stdout
     assert "a fibre is cut" in picture.read_text(encoding="utf-8")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,10 +17,22 @@ from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.simulate import Board
 from unitylink.simulate.registers import Registers
 from unitylink.simulate.rtl import RtlBoard
-from unitylink.spec import load
+from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
 
 SPEC = Path(__file__).resolve().parents[2] / "examples" / "scara_ring" / "scara_ring.ul"
+# words for logic of one's own in each node
+WORDS = """public words(u) { TOSNET(COMM=u, NODE=1, NODES=ring); j[4]: joint() @ (0x80+64*i); }
+joint(): @ (first) {
+   @position = first: i32 READ(PUBLISH(on cycle)); @speed = first+1: i32 READ(PUBLISH(on cycle));
+   @target = first+4: i32 WRITE(); @limit = first+5: i32 WRITE(SAFE=0);
+}"""
+# a motor and a shaft in node 2, beside a word for other logic; node 3 has only such words
+PARTS = """public parts(u) { TOSNET(COMM=u, NODE=1, NODES=ring);
+   motor: h_bridge() @control=0x84, @duty=0x85, @status=0x80;
+   shaft: quadrature_encoder() @position=0x81;
+   @lamp = 0x86: u8 WRITE(SAFE=9); @key = 0x82: u8 READ(); @far = 0xC0: READ();
+}"""
 JOINTS = range(2, 6)  # ids of the nodes
 
 
@@ -38,6 +51,12 @@ class Joints:
             self.registers[joint * 64 + 1] = self.count
 
 
+def compiled(text: str) -> Spec:
+    spec = compile_text(text, "ring.ul").spec
+    assert spec is not None
+    return spec
+
+
 def online(link: Link) -> None:
     end = time.monotonic() + 60
     while not link.read(protocol.TOSNET_STATUS) >> protocol.TOSNET_STATUS_ONLINE_BIT & 1:
@@ -51,7 +70,7 @@ def committed(link: Link) -> None:
 
 
 def test_a_ring_of_five_designs_moves_four_joints_in_one_cycle() -> None:
-    with RtlBoard(load(SPEC), plant=Joints()) as board, Link(f"{board.url}?timeout=10") as link:
+    with RtlBoard(compiled(WORDS), plant=Joints()) as board, Link(f"{board.url}?timeout=10") as link:
         online(link)
         registers = [link.read(protocol.TOSNET_NETWORK_REGISTERS + place) for place in range(16)]
         assert registers == [1, *(0x010100 | place << 4 | place + 1 for place in range(1, 5)), *[0] * 11]
@@ -91,8 +110,57 @@ def safe_when_broken(board: Board) -> list[int]:
 
 
 def test_a_broken_ring_makes_nodes_safe_on_the_twin_and_in_the_gateware() -> None:
-    spec = load(SPEC)
+    spec = compiled(WORDS)
     assert safe_when_broken(RtlBoard(spec)) == safe_when_broken(Board(spec)) == [123, 0, 123]
+
+
+class Nothing:
+    period_s = 1e-3
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        pass
+
+    def step(self, time_s: float) -> None:
+        pass
+
+
+def until(told: Callable[[], bool]) -> None:
+    end = time.monotonic() + 60
+    while not told():
+        assert time.monotonic() < end
+
+
+def node_with_parts(board: Board) -> None:
+    """Turn a shaft and drive a motor in node 2, and break the ring."""
+    with board, Link(f"{board.url}?timeout=10") as link:
+        motor, shaft = board.components["motor"], board.components["shaft"]
+        online(link)
+        shaft.turn(1234, 0.05)
+        board.registers[0x82] = 77
+        until(lambda: (link.read(0x81), link.read(0x82)) == (1234, 77))
+        assert not any(motor.level("pins", bit) for bit in range(4))
+        for address, word in ((0x84, 1), (0x85, 4000), (0x86, 5)):
+            link.write(address, word)
+        committed(link)
+        until(lambda: link.read(0x80) == 1)  # it runs
+        motor.duty("pins", 0)
+        time.sleep(0.05)
+        assert motor.duty("pins", 0) > 0.8 and board.registers[0x86] == 5
+        board.set_online(False)
+        until(lambda: board.registers[0x86] == 9)
+        time.sleep(0.02)
+        assert not any(motor.level("pins", bit) for bit in range(4))
+        shaft.turn(-5, 0.05)
+        assert link.read(0x81) == 1234  # of the last cycle
+        board.set_online(True)
+        until(lambda: link.read(0x81) == 0xFFFFFFFB and link.read(0x80) == 1)
+        until(lambda: board.registers[0x86] == 5)
+
+
+def test_a_node_with_components_obeys_the_ring_on_the_twin_and_in_the_gateware() -> None:
+    spec = compiled(PARTS)
+    node_with_parts(Board(spec, plant=Nothing()))
+    node_with_parts(RtlBoard(spec, plant=Nothing()))
 
 
 def test_each_node_has_an_entity_of_its_own(tmp_path: Path) -> None:
@@ -100,7 +168,8 @@ def test_each_node_has_an_entity_of_its_own(tmp_path: Path) -> None:
     files = planned_files(SpecPlan(spec, BoardConfiguration.for_spec(spec)), ["vhdl"])
     nodes = {name for name in files if "_node_" in name}
     assert nodes == {f"vhdl/scara_ring_node_{joint}.vhd" for joint in JOINTS}
-    assert "j1_position_setpoint" not in files["vhdl/scara_ring_top.vhd"]
+    assert "j1_shaft_a" in files["vhdl/scara_ring_node_2.vhd"]
+    assert "j1_shaft_a" not in files["vhdl/scara_ring_top.vhd"]
 
 
 def test_a_line_that_is_too_fast_for_the_clock_is_refused() -> None:

@@ -69,3 +69,7 @@ def test_node(ghdl: Any, clocks_per_bit: int) -> None:
 
 def test_a_hop_that_is_too_short_stops_elaboration(ghdl: Any) -> None:
     ghdl.refuse("tosnet_node_tb", "hop_bits of 40 are too few; at least 51 are needed", hop_bits=40)
+
+
+def test_carrier(ghdl: Any) -> None:
+    ghdl.run("tosnet_carrier_tb")

@@ -52,6 +52,10 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
     if (model) {
       model->send_events_to(sink);
       timed_.push_back(model.get());
+      if (one.node) {
+        node_parts_.add(one, std::move(model));
+        continue;
+      }
       add(one.base, one.words, std::move(model));
       regions_.back().is_component = true;
     }
@@ -63,6 +67,14 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
         source->connect(lead.output, *components_[number], lead.input);
       }
     }
+  }
+  if (tosnet_ != nullptr && !node_parts_.empty()) {
+    tosnet_->attach([this](Clock now, bool online) {
+      if (before_components_) {
+        before_components_(now);
+      }
+      node_parts_.exchange(*tosnet_, now, online);
+    });
   }
   regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});
 }

@@ -11,6 +11,7 @@
 #include "device/bus.hpp"
 #include "device/component/component.hpp"
 #include "device/configuration.hpp"
+#include "device/node_parts.hpp"
 #include "device/tosnet.hpp"
 
 namespace unitylink::device {
@@ -59,6 +60,7 @@ class AddressMap final : public Bus {
   std::function<void(std::uint32_t, std::uint32_t)> observer_;
   Tosnet* tosnet_ = nullptr;
   std::vector<Component*> components_;
+  NodeParts node_parts_;
   std::function<void(Clock)> before_components_;
   std::uint32_t address_mask_;
   std::uint32_t data_mask_;

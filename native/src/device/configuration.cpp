@@ -113,7 +113,9 @@ std::string DeviceConfiguration::problem() const {
     slaves.push_back({"double buffer", buffer.base, std::uint64_t{buffer.size} + 1});
   }
   for (const ComponentConfiguration& one : components) {
-    slaves.push_back({one.path, one.base, one.words});
+    if (!one.node) {
+      slaves.push_back({one.path, one.base, one.words});
+    }
   }
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     if (slaves[i].first + slaves[i].size - 1 > address_mask()) {

@@ -23,7 +23,7 @@ Tosnet::Tosnet(const TosnetConfiguration& configuration, EventSink sink)
     : configuration_(configuration), sink_(std::move(sink)) {}
 
 Clock Tosnet::next_clock() const noexcept {
-  return configuration_.event_group ? (cycles_ + 1) * configuration_.cycle_clocks : never;
+  return configuration_.event_group || exchanged_ ? (cycles_ + 1) * configuration_.cycle_clocks : never;
 }
 
 void Tosnet::advance(Clock now) {
@@ -48,6 +48,9 @@ void Tosnet::advance(Clock now) {
   if (configuration_.max_skipped_writes > 0) {
     skipped_ = static_cast<std::uint32_t>(std::min<Clock>(skipped_ + idle, 0xFFFFFFFFu));
     halted_ = halted_ || skipped_ > configuration_.max_skipped_writes;
+  }
+  if (exchanged_) {
+    exchanged_(now, true);
   }
   to_nodes_.travel(passed);
   from_nodes_.travel(passed);
@@ -217,7 +220,11 @@ void Tosnet::set_online(bool online, Clock now) {
   if (online && !online_) {
     restart();
   }
+  const bool changed = online != online_;
   online_ = online;
+  if (changed && exchanged_) {
+    exchanged_(now, online);
+  }
 }
 
 bool Tosnet::set_node(std::uint32_t id, bool present, Clock now) {

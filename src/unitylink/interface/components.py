@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from unitylink.errors import ValueRangeError
+from unitylink.protocol import DATA_BITS_MAX
 from unitylink.spec.model import Component, Instance, Spec
+from unitylink.values import Codec, Quantity
 
 
 @dataclass(frozen=True)
@@ -18,6 +20,9 @@ class ComponentConfiguration:
     `events`, the publish group that it triggers, or None. `clock_least_hz` is the slowest clock that will do.
     `wires` are (port, "in" | "out") of values for other components. `connections` lead to inputs among them:
     (number among the inputs, number of the other component, number among its outputs).
+
+    With a `node`, it is on the bus of this node of a ring. `carried` are (word, address on the PC's bus, is
+    it an IN word?), and `constants` are (word, value, value while the ring does not run).
     """
 
     path: str
@@ -31,9 +36,15 @@ class ComponentConfiguration:
     clock_least_hz: int = 0
     wires: tuple[tuple[str, str], ...] = ()
     connections: tuple[tuple[int, int, int], ...] = ()
+    node: int | None = None
+    carried: tuple[tuple[int, int, bool], ...] = ()
+    constants: tuple[tuple[int, int, int], ...] = ()
 
     @property
-    def addresses(self) -> range:
+    def addresses(self) -> Sequence[int]:
+        """Its addresses on the PC's bus."""
+        if self.node is not None:
+            return tuple(address for _, address, _ in self.carried)
         return range(self.base, self.base + self.words)
 
     def wire_number(self, port: str) -> int:
@@ -66,7 +77,8 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
             path = f"{root.name}.{instance.path}" if several else instance.path
             told = (path, one.entity, one.base, one.words, tuple(generics.items()), one.pins)
             wires = tuple((port, way) for port, way, _ in one.wires)
-            found.append(ComponentConfiguration(*told, one.events, triggered, one.clock_least_hz, wires))
+            made = ComponentConfiguration(*told, one.events, triggered, one.clock_least_hz, wires)
+            found.append(made if one.node is None else _in_node(made, one))
             for port, way, other, its_port in one.connections:
                 own, its = (path, port), (f"{root.name}.{other}" if several else other, its_port)
                 leads.append((its, own) if way == "in" else (own, its))
@@ -79,6 +91,26 @@ def components_of(spec: Spec, clock_hz: int) -> tuple[ComponentConfiguration, ..
                 yield one.wire_number(its_port), number, found[number].wire_number(port)
 
     return tuple(replace(one, connections=tuple(leading_to(one))) for one in found)
+
+
+def _in_node(made: ComponentConfiguration, one: Component) -> ComponentConfiguration:
+    carried = tuple((word.offset, word.address, word.inward) for word in one.carried)
+    return replace(made, node=one.node, carried=carried, constants=constant_words(one))
+
+
+def constant_words(component: Component) -> tuple[tuple[int, int, int], ...]:
+    """Return what a node of a ring writes to a component: (word, value, value while the ring does not run).
+
+    They are the INITIAL and the SAFE value of each element that does not travel. One that is missing is the
+    other one.
+    """
+    found: list[tuple[int, int, int]] = []
+    for element in component.constants:
+        codec = Codec(element.path, Quantity.of(element), DATA_BITS_MAX)
+        given = [value for value in (element.initial, element.safe) if value is not None]
+        first, last = (codec.split(codec.encode(value)) for value in (given[0], given[-1]))
+        found += zip(element.addresses, first, last, strict=True)
+    return tuple(found)
 
 
 def check_clock(components: Iterable[ComponentConfiguration], clock_hz: int) -> None:

@@ -49,6 +49,10 @@ def _lines(instance: Instance) -> Iterator[str]:
             f" {part.connections}" if part.connections else ""
         )
         yield f"component {part.entity} {part.base:x} {part.words:x} {ports}"
+        if part.node is not None:
+            words = ",".join(f"{one.offset:x}:{one.address:x}" for one in part.carried)
+            yield f"node {part.node} {words}"
+            yield from (_element(one) for one in part.constants)
     for member in instance.members:
         if isinstance(member, Instance):
             yield from _lines(member)

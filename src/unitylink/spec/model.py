@@ -176,6 +176,19 @@ class Group:
 
 
 @dataclass(frozen=True)
+class Carried:
+    """A word of a component in a node of a ring, which a word of the shared memory stands for.
+
+    `offset` is its place in the component, and `address` that of the other word on the PC's bus. It is
+    `inward` if the PC writes it.
+    """
+
+    offset: int
+    address: int
+    inward: bool
+
+
+@dataclass(frozen=True)
 class Component:
     """The entity for an instance. It is at `base` and takes `words`.
 
@@ -184,6 +197,10 @@ class Component:
     library. `clock_least_hz` is the slowest clock of a design with it, 0 if any will do. `wires` are ports
     for one value of 32 bits: (port, "in" | "out", the element with this value). `connections` lead to other
     components: (own port, "in" | "out", path of the other instance, its port).
+
+    With a `node`, it is in this node of a ring, and `base` is on the node's own bus. Then the PC reaches only
+    the words that are `carried`. `constants` are further elements, which have their INITIAL and SAFE values.
+    Their addresses count from the component's first word.
     """
 
     entity: str
@@ -196,6 +213,9 @@ class Component:
     clock_least_hz: int = 0
     wires: tuple[tuple[str, str, str], ...] = ()
     connections: tuple[tuple[str, str, str, str], ...] = ()
+    node: int | None = None
+    carried: tuple[Carried, ...] = ()
+    constants: tuple[Element, ...] = ()
 
 
 @dataclass(frozen=True)

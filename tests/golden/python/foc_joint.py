@@ -541,6 +541,7 @@ class FocJoint(Node, closed=True):
     """A control loop in the gateware. `feedback` is what it brings to the target, and
     `output` is what it sets for that. Both are elements of components before it. `rate`
     publishes the error and the output, `safe` is the output without a loop, in counts.
+    `kp` to `ka` are the initial gains.
 
     `servo`.
     """

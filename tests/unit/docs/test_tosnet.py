@@ -40,7 +40,8 @@ def test_the_page_has_small_and_large_rings() -> None:
 
 
 def test_the_robot_of_the_page_has_the_figures_that_it_tells() -> None:
-    (text,) = re.findall(r"^```ul\n(.*?)^```", PAGE, re.M | re.S)
+    text, joint = re.findall(r"^```ul\n(.*?)^```", PAGE, re.M | re.S)
+    assert not compile_text(joint, "leg.ul").diagnostics
     result = compile_text(text, "scara.ul")
     assert not result.diagnostics and result.spec is not None
     (device,) = result.spec.devices

@@ -33,6 +33,20 @@ struct ConnectionConfiguration {
   std::uint32_t output = 0;
 };
 
+// A word of a component in a node of a TosNet ring, and the word of the shared memory that it stands for.
+struct CarriedWord {
+  std::uint32_t offset = 0;   // in the component
+  std::uint32_t address = 0;  // in the shared memory
+  bool inward = false;        // the PC writes it
+};
+
+// A word of such a component that does not travel.
+struct ConstantWord {
+  std::uint32_t offset = 0;
+  std::uint32_t value = 0;
+  std::uint32_t safe = 0;  // while the ring does not run
+};
+
 struct ComponentConfiguration {
   std::string path;    // of the instance: "wheel[0]"
   std::string entity;  // "quadrature_encoder"
@@ -45,6 +59,10 @@ struct ComponentConfiguration {
 
   std::vector<WireConfiguration> wires;
   std::vector<ConnectionConfiguration> connections;
+
+  std::optional<std::uint32_t> node;  // of a ring: then it is on this node's bus, and not on that of the PC
+  std::vector<CarriedWord> carried;
+  std::vector<ConstantWord> constants;
 
   // The value of a generic, or `otherwise` if the spec gives none.
   [[nodiscard]] std::int64_t generic(const char* name, std::int64_t otherwise) const noexcept {

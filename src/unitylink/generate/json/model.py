@@ -75,6 +75,7 @@ def _instance(instance: Instance) -> dict[str, Any]:
             "generics": dict(component.generics),
             "pins": [{"port": port, "direction": way, "bits": bits} for port, way, bits in component.pins],
             "events": list(component.events),
+            "node": component.node,
         },
         **_notes(instance),
         "members": [_member(member) for member in instance.members],

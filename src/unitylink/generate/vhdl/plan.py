@@ -68,28 +68,67 @@ class Registers:
 
 @dataclass(frozen=True)
 class NodePort:
-    """A value of the spec as a port of its node's entity. `offset` is its word in the node's map."""
+    """A value of the spec as a port of its node's entity.
+
+    `offset` is its word in the node's map. `index` is its first word in the ports of a design with this node.
+    """
 
     name: str
     offset: int
     words: int
     to_node: bool
+    index: int | None = None
+
+
+@dataclass(frozen=True)
+class NodeConstant:
+    """A word that a node writes to a register of a component, and the one while the ring does not run."""
+
+    value: Vhdl
+    safe: Vhdl
+
+
+@dataclass(frozen=True)
+class NodeParts:
+    """The components in a node. `carried_in` and `carried_out` are words of its map, in their order."""
+
+    components: tuple[Placed, ...]
+    ranges: tuple[Range, ...]
+    wires: int
+    constants: tuple[NodeConstant, ...]
+    carried_in: tuple[int, ...]
+    carried_out: tuple[int, ...]
+    write_addresses: Vhdl
+    read_addresses: Vhdl
 
 
 @dataclass(frozen=True)
 class RingNode:
-    """A node behind the line of a TosNet. Its reads are what the PC writes."""
+    """A node behind the line of a TosNet. It `takes` so many words of the PC, and `gives` so many."""
 
     number: int  # its place in the ring; the PC's own node is 0
     id: int
     registers: Vhdl
     read_addresses: Vhdl
     write_addresses: Vhdl
-    reads: tuple[Wire, ...]
-    writes: tuple[Wire, ...]
+    takes: int
+    gives: int
     ports: tuple[NodePort, ...]
     safe_addresses: Vhdl
     safe_values: Vhdl
+    parts: NodeParts | None
+
+    @property
+    def pins(self) -> tuple[Port, ...]:
+        """The pins of its components."""
+        components = self.parts.components if self.parts else ()
+        return tuple(port for component in components for port in component.ports)
+
+    @property
+    def port_width(self) -> int:
+        """Characters of the longest name of a port."""
+        names = [port.name for port in self.ports] + [port.name for port in self.pins]
+        return max([8, *map(len, names)])
 
 
 @dataclass(frozen=True)
@@ -150,6 +189,7 @@ class Placed:
     pins: tuple[tuple[str, str], ...]  # (its port, the design's port)
     events: tuple[tuple[str, tuple[int, ...]], ...]  # (its port, the event lines)
     wires: tuple[tuple[str, int], ...] = ()  # (its port, the number of the wire)
+    ports: tuple[Port, ...] = ()  # of the design, or of the node in which it is
 
 
 @dataclass(frozen=True)

@@ -12,17 +12,18 @@ from typing import Any, Union
 from unitylink.errors import BindingError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.interface.engine import sizes_of
+from unitylink.protocol import DATA_BITS_MAX
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number
 from unitylink.values import Codec, Quantity
 
-from ..quoting import Part as CodePart
 from ..quoting import Vhdl, file_name
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
 from .link_slaves import LinkSlave, link_slaves
-from .names import KEYWORDS, Names, identifier
+from .names import Names, identifier
 from .physical import physical_layer
+from .placing import place, span
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Wire
 from .records import Tree, records
 from .settings import safe_values_of, settings_of
@@ -45,7 +46,7 @@ _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc", "tripped"]
 RING_CUT = "ring_cut"  # in a simulation, the lines that are cut; the first is that of the PC's own node
-_TEMPLATES = ("design.vhd.jinja", "top.vhd.jinja")
+_TEMPLATES = ("design.vhd.jinja", "node.vhd.jinja", "component.vhd.jinja", "top.vhd.jinja")
 _STROBE = FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
 
@@ -104,12 +105,17 @@ class _Planner:
         plain = blocks(addresses, others)
         numbered = list(enumerate(parts, first + len(plain)))
         slaves = list(enumerate(self.slaves, first + len(plain) + len(parts)))
-        ports = Names(_reserved_ports())
+        ports = Names([*_reserved_ports(), *(name for _, name, _ in named_elements(self.spec))])
         components = (
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
         )
-        tosnet = planned_tosnet(self.spec, self.configuration, self.words)
+        tosnet = planned_tosnet(
+            self.spec,
+            self.configuration,
+            self.words,
+            lambda number, part, wires: self._node_component(number, part, wires, ports),
+        )
         if tosnet is not None and tosnet.configuration.ring == "pins":
             self.ports += [
                 Port("ring_in", "in", Vhdl("std_ulogic")),
@@ -200,35 +206,19 @@ class _Planner:
         }
 
     def _component(self, number: int, part: PlacedComponent, ports: Names) -> Placed:
-        component = part.component
-        for name in (component.entity, *(port for port, _, _ in component.pins), *component.events):
-            if name.lower() in KEYWORDS:
-                raise BindingError(
-                    f"vhdl: {part.path}: {name} is a keyword of VHDL or Verilog; give it another name"
-                )
-        own: dict[str, CodePart] = {"clock_hz": "clock_hz", "data_width": self._data_width()}
-        given = {
-            name: own.get(name, Vhdl.of('"{}"', value) if isinstance(value, str) else value)
-            for name, value in component.generics
-        }
-        pins = []
-        for port, direction, bits in component.pins:
-            name = ports.claim(f"{part.path}_{port}")
-            base = Vhdl("std_logic") if direction == "inout" else Vhdl("std_ulogic")
-            kind = Vhdl.of("{}_vector({} downto 0)", base, bits - 1) if bits else base
-            self.ports.append(Port(name, direction, kind))
-            pins.append((port, name))
-        return Placed(
-            number=number,
-            path=part.path,
-            span=_span(component.base, component.words),
-            library="work" if component.sources else "unitylink",
-            entity=component.entity,
-            generics=tuple({**given, "data_width": own["data_width"]}.items()),
-            pins=tuple(pins),
-            events=self._lines_of(part.root, {port: f"{part.local}.{port}" for port in component.events}),
-            wires=tuple((port, number) for (path, port), number in self.wires.items() if path == part.path),
-        )
+        events = self._lines_of(part.root, {port: f"{part.local}.{port}" for port in part.component.events})
+        placed = place(number, part, self.wires, ports, data_width=self._data_width(), events=events)
+        self.ports += placed.ports
+        return placed
+
+    def _node_component(
+        self, number: int, part: PlacedComponent, wires: Mapping[tuple[str, str], int], ports: Names
+    ) -> Placed:
+        """Place a component in a node of a ring. Its pins are those of the design only in a simulation."""
+        placed = place(number, part, wires, ports, data_width=Vhdl.of("{}", DATA_BITS_MAX))
+        if self.configuration.tosnet is not None and self.configuration.tosnet.ring == "inside":
+            self.ports += placed.ports
+        return placed
 
     def _data_width(self) -> Vhdl:
         return Vhdl.of("{}_config_pkg.settings.data_bits", identifier(self.spec.name))
@@ -244,7 +234,7 @@ class _Planner:
         return Placed(
             number=number,
             path=slave.path,
-            span=_span(slave.base, slave.words),
+            span=span(slave.base, slave.words),
             library="unitylink",
             entity=slave.entity,
             generics=tuple({**slave.generics(), "data_width": self._data_width()}.items()),
@@ -330,7 +320,7 @@ class _Planner:
         offsets = [address - block.base for address in block.addresses]
         return Registers(
             number=number,
-            span=_span(block.base, block.words),
+            span=span(block.base, block.words),
             words=block.words,
             writable=block.writable(self.words),
             initial=self._initial(block),
@@ -388,7 +378,7 @@ def _check_slaves(slaves: Sequence[LinkSlave], configuration: BoardConfiguration
 
 
 def _range(number: int, base: int, words: int) -> Range:
-    return Range(number, _hex(base), words, _span(base, words))
+    return Range(number, _hex(base), words, span(base, words))
 
 
 def _inside(components: Iterable[Placed]) -> set[int]:
@@ -409,10 +399,6 @@ def _runs(numbers: set[int]) -> tuple[range, ...]:
 
 def _hex(address: int) -> Vhdl:
     return Vhdl.of('x"{:08X}"', address)
-
-
-def _span(base: int, words: int) -> str:
-    return f"0x{base:03X}" if words == 1 else f"0x{base:03X} to 0x{base + words - 1:03X}"
 
 
 def _facts(element: Element) -> str:

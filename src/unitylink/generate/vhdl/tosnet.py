@@ -3,26 +3,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from unitylink.errors import BindingError
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
-from unitylink.protocol import TOSNET_NODE_SHIFT
+from unitylink.interface.components import constant_words
+from unitylink.protocol import TOSNET_IN_BIT, TOSNET_NODE_SHIFT, TOSNET_REGISTER_SHIFT
 from unitylink.spec.model import Spec
 
 from ..quoting import Vhdl
-from .plan import NodePort, RingNode, Tosnet, Wire
-from .words import WordMap, named_elements, tosnet_range, word_map
+from .plan import NodeConstant, NodeParts, NodePort, Placed, Range, RingNode, Tosnet, Wire
+from .words import (
+    PlacedComponent,
+    WordMap,
+    named_elements,
+    node_components_of,
+    tosnet_range,
+    wires_of,
+    word_map,
+)
+
+Placer = Callable[[int, PlacedComponent, Mapping[tuple[str, str], int]], Placed]
 
 _NO_ADDRESSES = Vhdl("tosnet_no_addresses_c")
+_NOTHING = Vhdl("(1 to 0 => 0)")
 _SAMPLES_LEAST = 3  # of a bit on the line (tosnet_line_in)
 
 
-def planned_tosnet(spec: Spec, configuration: BoardConfiguration, words: WordMap) -> Tosnet | None:
+def planned_tosnet(
+    spec: Spec, configuration: BoardConfiguration, words: WordMap, placed: Placer
+) -> Tosnet | None:
     """Return the slave, or None for a spec without a TOSNET. `words` are those of the design's ports.
 
-    Raises BindingError for a line that is too fast for the clock.
+    `placed` places a component of a node, as this slave of its bus and with these wires. Raises BindingError
+    for a line that is too fast for the clock.
     """
     tosnet, inside = configuration.tosnet, tosnet_range(configuration)
     if tosnet is None:
@@ -33,9 +48,9 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration, words: WordMap
             f"{_SAMPLES_LEAST} clocks of {configuration.clock_hz:,} Hz; write a lower BAUD in TOSNET, "
             "or choose a faster clock"
         )
-    if tosnet.ring == "pins":  # the ports do not have the words of the nodes
-        words = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
-    reads, writes = ([one for one in indices if one in inside] for indices in (words.read, words.write))
+    # what travels, also where the design's ports do not have it
+    travels = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
+    reads, writes = ([one for one in indices if one in inside] for indices in (travels.read, travels.write))
     nodes = [Vhdl.of('(id => {}, registers => x"{:02X}")', node.id, node.registers) for node in tosnet.nodes]
     return Tosnet(
         number=0,
@@ -45,26 +60,49 @@ def planned_tosnet(spec: Spec, configuration: BoardConfiguration, words: WordMap
         cycle_hz=round(1 / tosnet.cycle_s),
         read_addresses=_aggregate(_offsets(reads, tosnet.base), _NO_ADDRESSES),
         write_addresses=_aggregate(_offsets(writes, tosnet.base), _NO_ADDRESSES),
-        reads=tuple(Wire(n, words.read[address], None) for n, address in enumerate(reads)),
-        writes=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(writes)),
+        reads=() if tosnet.ring else tuple(Wire(n, words.read[one], None) for n, one in enumerate(reads)),
+        writes=() if tosnet.ring else tuple(Wire(n, None, words.write[one]) for n, one in enumerate(writes)),
         lines=() if tosnet.event_group is None else (tosnet.event_group,),
-        ring=tuple(_node(number, node, tosnet, words, spec) for number, node in enumerate(tosnet.nodes, 1))
+        ring=tuple(
+            _node(number, node, tosnet, (travels, words), spec=spec, placed=placed)
+            for number, node in enumerate(tosnet.nodes, 1)
+        )
         if tosnet.ring
         else (),
     )
 
 
-def _node(number: int, node: TosnetNode, tosnet: TosnetConfiguration, words: WordMap, spec: Spec) -> RingNode:
+def _node(
+    number: int,
+    node: TosnetNode,
+    tosnet: TosnetConfiguration,
+    words: tuple[WordMap, WordMap],
+    *,
+    spec: Spec,
+    placed: Placer,
+) -> RingNode:
+    travels, shown = words
     first = tosnet.base + (node.id << TOSNET_NODE_SHIFT)
     own = range(first, first + (1 << TOSNET_NODE_SHIFT))
-    takes = [address for address in words.write if address in own]
-    gives = [address for address in words.read if address in own]
+    takes = [address for address in travels.write if address in own]
+    if not takes:  # GHDL's synthesis fails with empty vectors; each register has IN words, used or not
+        lowest = (node.registers & -node.registers).bit_length() - 1
+        takes = [first + (lowest << TOSNET_REGISTER_SHIFT) + (1 << TOSNET_IN_BIT)]
+    gives = [address for address in travels.read if address in own]
     safe = [(offset, word) for offset, word in tosnet.node_safe if tosnet.base + offset in takes]
+    parts = [part for part in node_components_of(spec) if part.component.node == node.id]
+    carried = {word.address for part in parts for word in part.component.carried}
     ports = tuple(
-        NodePort(name, (takes if to_node else gives).index(element.address), len(element.addresses), to_node)
+        NodePort(
+            name,
+            (takes if to_node else gives).index(element.address),
+            len(element.addresses),
+            to_node,
+            (shown.write if to_node else shown.read).get(element.address),
+        )
         for _, name, element in named_elements(spec)
-        if element.link.kind == "tosnet" and element.address in own
-        for to_node in [element.address in words.write]
+        if element.link.kind == "tosnet" and element.address in own and element.address not in carried
+        for to_node in [element.address in travels.write]
     )
     return RingNode(
         number=number,
@@ -72,11 +110,42 @@ def _node(number: int, node: TosnetNode, tosnet: TosnetConfiguration, words: Wor
         registers=Vhdl.of('x"{:02X}"', node.registers),
         read_addresses=_aggregate(_offsets(takes, tosnet.base), _NO_ADDRESSES),
         write_addresses=_aggregate(_offsets(gives, tosnet.base), _NO_ADDRESSES),
-        reads=tuple(Wire(n, None, words.write[address]) for n, address in enumerate(takes)),
-        writes=tuple(Wire(n, words.read[address], None) for n, address in enumerate(gives)),
+        takes=len(takes),
+        gives=len(gives),
         ports=ports,
         safe_addresses=_aggregate(_offsets([offset for offset, _ in safe], 0), _NO_ADDRESSES),
         safe_values=_aggregate([Vhdl.of('x"{:08X}"', word) for _, word in safe], Vhdl("tosnet_no_words_c")),
+        parts=_parts(parts, takes, gives, placed) if parts else None,
+    )
+
+
+def _parts(parts: Sequence[PlacedComponent], takes: list[int], gives: list[int], placed: Placer) -> NodeParts:
+    """Return the components of a node, and what its carrier moves."""
+    wires = wires_of(parts)
+    constants, writes, reads = [], [], []
+    for part in parts:
+        base = part.component.base
+        for offset, value, safe in constant_words(part.component):
+            words = Vhdl.of('x"{:08X}"', value), Vhdl.of('x"{:08X}"', safe)
+            constants.append((base + offset, NodeConstant(*words)))
+        for word in part.component.carried:
+            if word.inward:
+                writes.append((base + word.offset, takes.index(word.address)))
+            else:
+                reads.append((base + word.offset, gives.index(word.address)))
+    written = [address for address, _ in constants] + [address for address, _ in writes]
+    return NodeParts(
+        components=tuple(placed(number, part, wires) for number, part in enumerate(parts)),
+        ranges=tuple(
+            Range(number, Vhdl.of('x"{:08X}"', part.component.base), part.component.words, part.path)
+            for number, part in enumerate(parts)
+        ),
+        wires=len(set(wires.values())),
+        constants=tuple(constant for _, constant in constants),
+        carried_in=tuple(index for _, index in writes),
+        carried_out=tuple(index for _, index in reads),
+        write_addresses=_aggregate([Vhdl.of("{}", one) for one in written], _NOTHING),
+        read_addresses=_aggregate([Vhdl.of("{}", one) for one, _ in reads], _NOTHING),
     )
 
 

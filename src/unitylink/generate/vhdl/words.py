@@ -57,6 +57,9 @@ def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> Wor
     read: set[int] = set()
     write: set[int] = set()
     components = {address for component in components_of(spec) for address in component.range}
+    if configuration.tosnet and configuration.tosnet.ring:
+        parts = node_components_of(spec)
+        components |= {word.address for part in parts for word in part.component.carried}
     for _, element in spec.walk():
         if element.link.kind not in ("memory", "tosnet"):
             continue  # the user's logic reaches these through ports of their own
@@ -86,8 +89,16 @@ class PlacedComponent:
 
 
 def components_of(spec: Spec) -> tuple[PlacedComponent, ...]:
-    """Return the components of a spec, in its order."""
+    """Return the components on the PC's bus, in the order of the spec."""
+    return tuple(one for one in _all_components(spec) if one.component.node is None)
 
+
+def node_components_of(spec: Spec) -> tuple[PlacedComponent, ...]:
+    """Return the components in the nodes of a ring, in the order of the spec."""
+    return tuple(one for one in _all_components(spec) if one.component.node is not None)
+
+
+def _all_components(spec: Spec) -> tuple[PlacedComponent, ...]:
     several = len(spec.roots) > 1
 
     def below(instance: Instance, root: str) -> Iterator[PlacedComponent]:

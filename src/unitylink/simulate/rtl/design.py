@@ -67,7 +67,12 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     if configuration.physical in BEHIND:
         top = f"{design.name}_behind_{configuration.physical}"
         files |= _behind(design, top)
-    own = [name for part in design.components for _, name in part.pins if name in _pins(design)]
+    nodes = design.tosnet.here if design.tosnet else ()
+    inner = (part for node in nodes if node.parts for part in node.parts.components)
+    placed = {part.path: part for part in (*design.components, *inner)}
+    own = [
+        name for one in configuration.components for _, name in placed[one.path].pins if name in _pins(design)
+    ]
     cuts = [RING_CUT] if RING_CUT in _pins(design) else []
     places = _pin_places(design, configuration.components)
     return RtlDesign(
@@ -86,7 +91,7 @@ def _pins(design: Plan) -> set[str]:
 
 
 def _pin_places(design: Plan, components: Sequence[ComponentConfiguration]) -> PinPlaces:
-    """Return the places of the pins of each component. A design has them in the order of the spec, too."""
+    """Return the places of the pins of each component, in the order of the spec."""
     counted = {"in": 0, "out": 0}
     places = []
     for one in components:
@@ -97,8 +102,6 @@ def _pin_places(design: Plan, components: Sequence[ComponentConfiguration]) -> P
                 counted[direction] += bits or 1
                 own[direction] += tuple(range(first, counted[direction]))
         places.append((own["in"], own["out"]))
-    placed = [part.entity for part in design.components][: len(components)]
-    assert placed == [one.entity for one in components], "a design has the components in the spec's order"
     return tuple(places)
 
 

@@ -217,7 +217,7 @@ def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter:
 
 
 def _events(instance: Instance) -> Iterator[str]:
-    if instance.component is not None:
+    if instance.component is not None and instance.component.node is None:  # a node has no publishes
         yield from (f"{instance.path}.{event}" for event in instance.component.events)
     if own := instance.link.event_at(instance.path):
         yield own

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..meaning.scope import ADDRESS_MAX
+from ..model import LinkBinding
 from ..report.diagnostics import Reporter
 
 _Device = tuple[str, "str | None"]
@@ -90,3 +91,12 @@ def allocate(
         occupied.take(room, words)
         found[block.root, block.path] = room
     return found
+
+
+def windows(links: Iterable[tuple[str, LinkBinding]]) -> list[tuple[_Device, int, int]]:
+    """Return the windows of TosNet, FIFOs and double buffers, in which nothing else may be.
+
+    `links` has the public constructor and the link of each element.
+    """
+    found = {((root, link.comm), link.base, link.words) for root, link in links if link.words}
+    return sorted(found, key=str)

@@ -11,17 +11,19 @@ from ..annotation import Annotation
 from ..meaning.declared import Declared
 from ..meaning.elements import ElementReader
 from ..meaning.evaluate import Value
-from ..meaning.graph import MAX_DEPTH, MAX_ITEMS, Graph, cost_of_element, cost_of_expansion
+from ..meaning.graph import MAX_ITEMS, Graph, cost_of_element, cost_of_expansion
 from ..meaning.members import check_members
 from ..meaning.notes import annotations_of, component, is_there
 from ..meaning.scope import ADDRESS_MAX, INDEX, Scope, Scopes
 from ..meaning.type_names import names_of
 from ..model import Component, Element, Instance, Link, LinkBinding, Member, Span
 from ..text.syntax import ElementNode, ExpansionNode, GroupNode, Name, Number, Program
-from .allocate import Block, allocate
+from .allocate import Block, allocate, windows
 from .group_members import Found, GroupMaker
 from .link_kinds import bind_link
+from .node_parts import NodePart, NodeParts, bound_rightly, first_word, lies_in_node
 from .parameters import Parameters
+from .publics import may_expand, report_no_public, report_too_many
 from .vectors import Vector, Vectors
 
 
@@ -46,6 +48,7 @@ class _Frame:
     link: LinkBinding
     block: Block | None = None
     component: Component | None = None
+    part: NodePart | None = None  # a component in a node of a ring
     found: Found = field(default_factory=dict)
 
 
@@ -83,27 +86,19 @@ class Resolver:
         self._allocated: dict[tuple[str, str], int] = {}
         publics = [scope for scope in scopes.all if scope.node.public]
         if not publics and not program.damaged and not any(s.node.broken for s in scopes.all):
-            self._report_no_public(program)
+            report_no_public(program, self.reporter)
         ready = [scope for scope in publics if self._may_expand(scope)]
         self._expand_roots(ready)
         if any(block.first is None for block in self.blocks) and not self.reporter.failed:
             taken = [
                 ((p.root, p.element.link.comm), p.element.address, p.element.words) for p in self.placed
-            ] + self._windows()
+            ] + windows((p.root, p.element.link) for p in self.placed)
             self._allocated = allocate(self.blocks, taken, self.reporter)
             self._expand_roots(ready)  # again, because now every address is known
+        self.roots = NodeParts(self.reporter).settle(self.roots)
         self._vectors.report_lengths()
 
     # --- roots ----------------------------------------------------------------------------------------------
-
-    def _report_no_public(self, program: Program) -> None:
-        if program.constructors:
-            at = program.constructors[0].name
-            hint = f"write `public {at.text}(…)` for the one that is the interface"
-            self.reporter.report("UL029", at.start, at.end, "there is no public constructor", hint)
-        else:
-            hint = "a spec has at least one: `public robot(ctrl,comm) { … }`"
-            self.reporter.report("UL029", 0, 0, "there is no public constructor", hint)
 
     def _may_expand(self, scope: Scope) -> bool:
         at = scope.node.name
@@ -111,22 +106,7 @@ class Resolver:
             return False
         size = self._graph.sizes[at.text]
         self._items += size.items
-        if scope.addresses:
-            message = f"public constructor `{at.text}` takes addresses, but nothing binds them"
-            hint = "remove `public`, or fix each address: `@name = 0x…: …`"
-            self.reporter.report("UL036", at.start, at.end, message, hint)
-        elif self._items > MAX_ITEMS:
-            self._report_too_many(at, f"{self._items:,}" if self._items < 10**9 else "more than a billion")
-        elif size.depth > MAX_DEPTH:
-            message = f"the expansion of `{at.text}` is {size.depth:,} constructors deep"
-            self.reporter.report("UL039", at.start, at.end, message, f"at most {MAX_DEPTH} are allowed")
-        else:
-            return True
-        return False
-
-    def _report_too_many(self, at: Name, shown: str) -> None:
-        message = f"with `{at.text}` the spec expands to {shown} instances, elements and group members"
-        self.reporter.report("UL038", at.start, at.end, message, f"at most {MAX_ITEMS:,} are allowed")
+        return may_expand(scope, size, self._items, self.reporter)
 
     def _expand_roots(self, scopes: list[Scope]) -> None:
         self.roots.clear()
@@ -140,7 +120,7 @@ class Resolver:
             try:
                 self._expand_root(scope)
             except _TooMany:
-                self._report_too_many(scope.node.name, f"more than {MAX_ITEMS:,}")
+                report_too_many(scope.node.name, f"more than {MAX_ITEMS:,}", self.reporter)
                 self.placed.clear()  # an incomplete expansion shows nothing
                 self.blocks.clear()
                 return
@@ -193,6 +173,8 @@ class Resolver:
                     )
                 )
         members = tuple(member for text in scope.usable for member in found.get(text, ()))
+        if frame.part is not None and frame.component is not None:
+            frame.component = frame.part.finished(frame.component)
         return Instance(
             name,
             frame.path,
@@ -217,9 +199,13 @@ class Resolver:
             message = f"`{at.text}` is an entity, but has no number of words"
             hint = f"give it a block of addresses: `{at.text}(…): @base[4] {{ … }}`"
             self.reporter.report("UL098", at.start, at.end, message, hint)
+        elif frame.part is not None:
+            frame.component = made
         elif block is not None and frame.link.kind != "memory":
             message = f"a component of the gateware lies on its bus, not behind {frame.link.kind.upper()}"
             hint = "put it into a constructor with `MEMORY();`"
+            if frame.link.kind == "tosnet":
+                hint += ", or into a node: `TOSNET(…, NODES=ring);`"
             self.reporter.report("UL058", block.start, block.end, message, hint)
         elif block is not None and block.first is not None:
             frame.component = replace(made, base=block.first, words=block.words)
@@ -298,6 +284,17 @@ class Resolver:
             frame.vectors.clear()
             return
         name = head.addresses[0].text
+        is_component = any(one.name.text == "component" for one in head.notes.annotations)
+        bound = dict(frame.vectors)
+        if is_component and not bound_rightly(frame.link, name, bound, node, self.reporter):
+            frame.vectors.clear()
+            self._parameters.wires.unplaced = True
+            return
+        if is_component and lies_in_node(frame.link):
+            frame.part = NodePart(words, frame.link, bound, self.reporter)
+            frame.vectors.clear()
+            frame.vectors[name] = first_word(node)
+            return
         vector = frame.vectors.get(name)
         first: int | None = None
         kind, base = frame.link.kind, frame.link.base
@@ -322,18 +319,9 @@ class Resolver:
             limit,
             place.start,
             place.end,
-            any(one.name.text == "component" for one in head.notes.annotations),
+            is_component,
         )
         self.blocks.append(frame.block)
-
-    def _windows(self) -> list[tuple[tuple[str, str | None], int, int]]:
-        """Return the windows of TosNet, FIFOs and double buffers, in which nothing else may be."""
-        links = {
-            ((p.root, p.element.link.comm), p.element.link.base, p.element.link.words)
-            for p in self.placed
-            if p.element.link.words
-        }
-        return sorted(links, key=str)
 
     def _link_of(self, binding: LinkBinding) -> Link:
         return self.links[binding.link if binding.link in self.links else ""]
@@ -420,6 +408,11 @@ class Resolver:
             "" if index is None else node.name.text,
             index,
         )
+        if frame.part is not None:
+            element, place = frame.part.take(element, number)
+            if place is None:
+                return element
+            number = place
         start, end = self.reporter.place(number.start, number.end)
         if start != number.start:  # an element of a component: the user of the component gave the address
             number = replace(number, start=start, end=end)

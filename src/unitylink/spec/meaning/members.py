@@ -280,6 +280,8 @@ class _Checker:
                 message = f"`{member.name.text}` is 1 address but `{member.callee.text}` takes {len(names)}"
         elif callee.node.block is not None and (not bindings or _one_number(bindings, names[0].text)):
             return True  # if nothing is bound, the compiler finds room
+        elif _is_component(callee) and bindings and all(_is_word(one, callee) for one in bindings):
+            return self._check_words(member, callee)
         elif not bindings:
             place = member.callee
             message = f"`{member.callee.text}` takes {_count(len(names), 'address')} but none is bound"
@@ -342,6 +344,27 @@ class _Checker:
             )
         return good and not missing
 
+    def _check_words(self, member: ExpansionNode, callee: Scope) -> bool:
+        """Do the bindings name elements of a component, each once? This is for a node of a ring."""
+        elements = [one.name.text for one in callee.node.members if isinstance(one, ElementNode)]
+        bound: set[str] = set()
+        good = True
+        for one in member.bindings:
+            assert one.name is not None  # the caller has checked it
+            text, at = one.name.text, (one.name.start, one.name.end)
+            if text not in elements:
+                otherwise = "there are " + ", ".join(elements[:_NAMES])
+                advice = self.reporter.did_you_mean(text, elements, otherwise, at)
+                message = f"`{member.callee.text}` has no word `{text}`"
+                self.reporter.report("UL026", *at, message, advice)
+                good = False
+            elif text in bound:
+                message = f"`{text}` is bound twice"
+                self.reporter.report("UL033", one.start, one.end, message, "remove one of the two")
+                good = False
+            bound.add(text)
+        return good
+
     def _text(self, scope: Scope, argument: Argument, what: str, *, array: bool = False) -> bool:
         """Check an argument that must be a string."""
         if len(argument.parts) == 1 and isinstance(argument.parts[0], Text):
@@ -388,6 +411,16 @@ def _one_number(bindings: list[Binding], address: str) -> bool:
     """Is this the only address, to which a block is bound?"""
     (first, *others) = bindings
     return not others and len(first.numbers) == 1 and (first.name is None or first.name.text == address)
+
+
+def _is_component(callee: Scope) -> bool:
+    head = callee.node
+    return head.block is not None and any(one.name.text == "component" for one in head.notes.annotations)
+
+
+def _is_word(one: Binding, callee: Scope) -> bool:
+    """Does this bind an element of a component, and not its block?"""
+    return one.name is not None and one.name.text not in callee.addresses
 
 
 def _count(number: int, noun: str) -> str:

@@ -107,6 +107,7 @@ _HARDWARE = {
         UL104="publishes that the line cannot carry",
         UL105="what the small engine lacks",
         UL108="ring that cannot be",
+        UL110="not possible for a component in a ring's node",
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",
