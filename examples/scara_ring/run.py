@@ -23,7 +23,7 @@ from unitylink import Link, connect
 from unitylink.errors import NetworkOffline
 from unitylink.layer4_data import ValueGroup, load_spec_objects
 from unitylink.program import run_program
-from unitylink.protocol import CLOCK_HZ_DEFAULT, TOSNET_RING_WATCHDOG_US
+from unitylink.protocol import CLOCK_HZ_DEFAULT
 from unitylink.spec import load
 from unitylink.spec.ring import ring_at
 
@@ -108,7 +108,7 @@ class Ring:
         if self.link.board is not None:
             clock_hz = self.link.board.configuration.clock_hz
         slower = max(1.0, line_hz / (clock_hz / 3))
-        return slower * (2 * self.ring.shortest_s + TOSNET_RING_WATCHDOG_US * 1e-6) + CARRIED / clock_hz
+        return slower * (2 * self.ring.shortest_s + self.ring.watchdog_s) + CARRIED / clock_hz
 
     def lose_a_fibre(self) -> None:
         """Cut a fibre and mend it, or wait for somebody who does."""

@@ -57,7 +57,7 @@ architecture rtl of tosnet_line_out is
 
   constant codes : codes_t := all_codes;
 
-  signal passed    : natural range 0 to clocks_per_bit - 1 := 0;
+  signal passed    : natural range 0 to maximum(1, clocks_per_bit - 1) := 0; -- GHDL needs a bit of it to synthesise
   signal place     : natural range 0 to 9 := 0;
   signal bit_ends  : std_ulogic;
   signal shift     : symbol_t;

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,6 +21,7 @@ from unitylink.simulate.registers import Registers
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
+from unitylink.spec.ring import ring_at
 
 SPEC = Path(__file__).resolve().parents[2] / "examples" / "scara_ring" / "scara_ring.ul"
 # words for logic of one's own in each node
@@ -33,6 +36,7 @@ PARTS = """public parts(u) { TOSNET(COMM=u, NODE=1, NODES=ring);
    shaft: quadrature_encoder() @position=0x81;
    @lamp = 0x86: u8 WRITE(SAFE=9); @key = 0x82: u8 READ(); @far = 0xC0: READ();
 }"""
+HARMLESS = "comparing non-numeric vector"  # a warning of GHDL about tosnet_start
 JOINTS = range(2, 6)  # ids of the nodes
 
 
@@ -172,8 +176,32 @@ def test_each_node_has_an_entity_of_its_own(tmp_path: Path) -> None:
     assert "j1_shaft_a" not in files["vhdl/scara_ring_top.vhd"]
 
 
-def test_a_line_that_is_too_fast_for_the_clock_is_refused() -> None:
+@pytest.mark.parametrize(
+    ("clock_hz", "message"),
+    [
+        (
+            48_000_000,
+            r"12,500,000 bit/s, .* clocks of 48,000,000 Hz; write a BAUD such as 12,000,000 Hz or 16,000",
+        ),
+        (10_000_000, r"write a BAUD such as 10,000,000 Hz in TOSNET, or choose another clock"),
+    ],
+)
+def test_a_line_that_does_not_suit_the_clock_is_refused(clock_hz: int, message: str) -> None:
     spec = load(SPEC)
-    slow = BoardConfiguration.for_spec(spec, clock_hz=25_000_000)
-    with pytest.raises(BindingError, match=r"12,500,000 bit/s, and a bit needs 3 clocks.*lower BAUD"):
+    slow = BoardConfiguration.for_spec(spec, clock_hz=clock_hz)
+    with pytest.raises(BindingError, match=message):
         planned_files(SpecPlan(spec, slow), ["vhdl"])
+
+
+@pytest.mark.parametrize(("baud", "samples"), [("12.5 MHz", 1), ("25 MHz", 2), ("50 MHz", 4)])
+def test_baud_chooses_the_samples_of_the_line(baud: str, samples: int, designs: Any) -> None:
+    spec = compiled(PARTS.replace("NODE=1", f"NODE=1, BAUD={baud}"))
+    twin, rate = BoardConfiguration.for_spec(spec).tosnet, float(baud.removesuffix(" MHz"))
+    usual_s = ring_at(compiled(PARTS), 0).shortest_s
+    assert twin is not None and twin.cycle_s * rate == pytest.approx(12.5 * usual_s)
+    kind = "std_ulogic" if samples == 1 else f"std_ulogic_vector({samples - 1} downto 0)"
+    texts = planned_files(SpecPlan(spec, BoardConfiguration.for_spec(spec)), ["vhdl"])
+    library = designs.library(spec)
+    for entity in ("ring_node_2", "ring_node_3", "ring_top"):
+        assert re.search(rf"ring_in\s*: in\s+{re.escape(kind)};", texts[f"vhdl/{entity}.vhd"])
+        assert f"entity {entity}" in library.synthesise(entity, HARMLESS)

@@ -121,6 +121,11 @@ def logic_of(plan: SpecPlan, wanted: Wanted, *, pin_for_trips: bool = False) -> 
                 "the pin for tripped would never go high: this gateware has no dead-man; build it "
                 f"with frames and deadman=true, or say --pin {TRIPPED}={OPEN}"
             )
+    if design.tosnet is not None and design.tosnet.samples > 1:
+        raise BoardError(
+            f"the ring's line needs {design.tosnet.samples} samples in each clock, and those come from a DDR "
+            f"or SERDES input of the FPGA: write {name} with one, or a lower BAUD in TOSNET"
+        )
     logic = pin_logic(design, component_ports(design), wished, wanted.folder / FOLDER / name)
     return replace(logic, generics=frozenset(generics), notices=passed_over + logic.notices)
 

@@ -90,6 +90,11 @@ class Ring:
         return protocol.TOSNET_RING_HOP_BITS / self.baud_hz
 
     @property
+    def watchdog_s(self) -> float:
+        """The time without a good packet after which a node takes the ring for broken. It counts bits."""
+        return protocol.TOSNET_RING_WATCHDOG_US * 1e-6 * protocol.TOSNET_RING_BAUD_HZ / self.baud_hz
+
+    @property
     def shortest_s(self) -> float:
         """The shortest cycle."""
         return self.cycle_bytes * protocol.TOSNET_RING_BYTE_BITS / self.baud_hz + self.hop_s * self.size

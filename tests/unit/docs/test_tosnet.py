@@ -49,6 +49,7 @@ def test_the_robot_of_the_page_has_the_figures_that_it_tells() -> None:
     (one,) = ring_budgets(result.spec.roots[0], device, line)
     assert [node.id for node in one.nodes] == [1, 2, 3, 4, 5]
     assert f"{1 / one.shortest_s:,.0f} cycles a second" in PAGE
+    assert f"{4 / one.shortest_s:,.0f} cycles a second" in PAGE.replace("\n", " ")
     (publish,) = one.publishes
     assert publish.sensor.bound_s is not None
     assert f"{publish.sensor.bound_s * 1e3:.2f} ms old" in PAGE.replace("\n", " ")

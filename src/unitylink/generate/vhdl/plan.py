@@ -144,8 +144,15 @@ class Tosnet:
     write_addresses: Vhdl
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
+    samples: int  # of the line in each clock; more than one come from a DDR or SERDES input
     lines: tuple[int, ...]  # the event lines that are the network cycle
     ring: tuple[RingNode, ...]  # the other nodes, in the order of the ring
+
+    @property
+    def line_in(self) -> Vhdl:
+        """The type of the line's input."""
+        plain = Vhdl("std_ulogic")
+        return plain if self.samples == 1 else Vhdl.of("{}_vector({} downto 0)", plain, self.samples - 1)
 
     @property
     def here(self) -> tuple[RingNode, ...]:

@@ -118,7 +118,7 @@ class _Planner:
         )
         if tosnet is not None and tosnet.configuration.ring == "pins":
             self.ports += [
-                Port("ring_in", "in", Vhdl("std_ulogic")),
+                Port("ring_in", "in", tosnet.line_in),
                 Port("ring_out", "out", Vhdl("std_ulogic")),
             ]
         elif tosnet is not None and tosnet.here:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from unitylink.errors import BindingError
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.interface.components import constant_words
 from unitylink.protocol import TOSNET_IN_BIT, TOSNET_NODE_SHIFT, TOSNET_REGISTER_SHIFT
@@ -14,6 +13,7 @@ from unitylink.spec.model import Spec
 
 from ..quoting import Vhdl
 from .plan import NodeConstant, NodeParts, NodePort, Placed, Range, RingNode, Tosnet, Wire
+from .ring_line import samples_a_clock
 from .words import (
     PlacedComponent,
     WordMap,
@@ -28,7 +28,6 @@ Placer = Callable[[int, PlacedComponent, Mapping[tuple[str, str], int]], Placed]
 
 _NO_ADDRESSES = Vhdl("tosnet_no_addresses_c")
 _NOTHING = Vhdl("(1 to 0 => 0)")
-_SAMPLES_LEAST = 3  # of a bit on the line (tosnet_line_in)
 
 
 def planned_tosnet(
@@ -37,17 +36,13 @@ def planned_tosnet(
     """Return the slave, or None for a spec without a TOSNET. `words` are those of the design's ports.
 
     `placed` places a component of a node, as this slave of its bus and with these wires. Raises BindingError
-    for a line that is too fast for the clock.
+    for a line that does not suit the clock.
     """
     tosnet, inside = configuration.tosnet, tosnet_range(configuration)
     if tosnet is None:
         return None
-    if tosnet.ring == "pins" and configuration.clock_hz < _SAMPLES_LEAST * tosnet.line_baud_hz:
-        raise BindingError(
-            f"vhdl: the ring's line has {tosnet.line_baud_hz:,} bit/s, and a bit needs "
-            f"{_SAMPLES_LEAST} clocks of {configuration.clock_hz:,} Hz; write a lower BAUD in TOSNET, "
-            "or choose a faster clock"
-        )
+    on_pins = tosnet.ring == "pins"
+    samples = samples_a_clock(configuration.clock_hz, tosnet.line_baud_hz) if on_pins else 1
     # what travels, also where the design's ports do not have it
     travels = word_map(spec, replace(configuration, tosnet=replace(tosnet, ring="")))
     reads, writes = ([one for one in indices if one in inside] for indices in (travels.read, travels.write))
@@ -62,6 +57,7 @@ def planned_tosnet(
         write_addresses=_aggregate(_offsets(writes, tosnet.base), _NO_ADDRESSES),
         reads=() if tosnet.ring else tuple(Wire(n, words.read[one], None) for n, one in enumerate(reads)),
         writes=() if tosnet.ring else tuple(Wire(n, None, words.write[one]) for n, one in enumerate(writes)),
+        samples=samples,
         lines=() if tosnet.event_group is None else (tosnet.event_group,),
         ring=tuple(
             _node(number, node, tosnet, (travels, words), spec=spec, placed=placed)

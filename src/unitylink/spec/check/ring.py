@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from unitylink import protocol
@@ -14,8 +15,6 @@ from ..model import Device, Element, Instance, Link
 from ..report.diagnostics import Reporter
 from ..ring import Ring, RingNode, rings_of
 from ..text.syntax import LinkKindNode
-
-_SLOWEST_HZ = 1e6 / protocol.TOSNET_RING_WATCHDOG_US
 
 
 def check_rings(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
@@ -115,9 +114,12 @@ class _Check:
                 "use fewer registers, or raise BAUD"
             )
             self._at_property("CYCLE_RATE", message, hint)
-        elif wanted < _SLOWEST_HZ:
+        elif wanted * self.ring.watchdog_s < 1:
             message = f"at {wanted} Hz, each node would take the ring for broken"
-            hint = f"its watchdog waits {protocol.TOSNET_RING_WATCHDOG_US / 1e3:.1f} ms: choose 77 Hz or more"
+            hint = (
+                f"its watchdog waits {self.ring.watchdog_s * 1e3:.1f} ms: "
+                f"choose {math.ceil(1 / self.ring.watchdog_s)} Hz or more"
+            )
             self._at_property("CYCLE_RATE", message, hint)
 
     def _check_publishes(self) -> None:
