@@ -54,11 +54,15 @@ begin
   slave : process (clock) is
     variable place : natural range 0 to 31;
     variable asked : std_ulogic;
+    variable last  : wishbone_m2s_t := wishbone_m2s_idle; -- an access that waits for its answer
   begin
     if rising_edge(clock) then
       place := to_integer(unsigned(m2s.adr(4 downto 0)));
       asked := m2s.cyc and m2s.stb and not s2m.ack and not s2m.err;
       steps <= steps + 1;
+      check(last.stb = '0' or reset = '1' or m2s = last, "an access changed before its answer");
+      last     := m2s;
+      last.stb := asked;
       if m2s.cyc = '0' then
         frozen     <= registers;
         frozen(9)  <= std_ulogic_vector(to_unsigned(9 + steps, 32));
@@ -82,8 +86,8 @@ begin
 
   process is
 
-    -- The longest way of a new word: the block under way, and the block of writes.
-    constant written_clocks : positive := 2 * reads + 1 + 2 * writes + 1 + 1;
+    -- The longest way of a new word: the block under way, and the block of writes. One more to look.
+    constant written_clocks : positive := 2 * (reads + writes) + 1 + 1;
 
     procedure expect_writes (constants, words : natural; what : string) is
     begin
@@ -107,6 +111,8 @@ begin
     reset <= '0';
     wait_clocks(clock, written_clocks);
     expect_writes(1, 1, "after a reset");
+
+    wait_clocks(clock, 2 * reads + 1); -- the first block of reads
 
     -- One moment, in all blocks, and nothing of a register that refuses.
     for turn in 1 to 10 loop

@@ -9,8 +9,8 @@
 --           each change of `running`. The others are written then and after each `exchange`, all in their order.
 -- Reading   Without a pause, in blocks: cyc is high from the first to the last word. So a component that keeps one
 --           moment in a block gives words of one moment. read_words change together, at the end of a block.
--- Latency   A block takes one clock more than its accesses; with accesses of 2 clocks, these are 2 * reads + 1. Words
---           are written behind the block that is under way, in 2 * writes + 1 clocks.
+-- Latency   With accesses of 2 clocks, a block of reads takes 2 * reads + 1 clocks. A word is in its register at most
+--           2 * (reads + writes) + 1 clocks after its `exchange`, or after the change of `running`.
 -- Errors    A register that answers err is passed over. A write to it has no effect, and a read gives zero. One that
 --           never answers stops the carrier.
 -- Reset     read_words are zero.
@@ -48,59 +48,44 @@ architecture rtl of tosnet_carrier is
   constant write_map : integer_vector(0 to writes - 1) := write_addresses;
   constant read_map  : integer_vector(0 to reads - 1)  := read_addresses;
 
-  signal place       : natural range 0 to words := writes; -- the word that is carried, or is next: writes first
+  signal place       : natural range 0 to words := writes; -- the word that is carried: writes first
   signal busy        : std_ulogic := '0';                  -- in a block of accesses
   signal begins      : std_ulogic := '1';                  -- all words are to be written
   signal renews      : std_ulogic := '0';                  -- those of the ring are
   signal ran         : std_ulogic := '0';
+  signal address     : std_ulogic_vector(31 downto 0) := (others => '0');
+  signal word        : word_t := (others => '0');          -- stands still during an access
   signal block_words : word_vector_t(0 to reads - 1) := (others => (others => '0'));
   signal answered    : std_ulogic;
 
 begin
 
-  answered <= wishbone_s2m.ack or wishbone_s2m.err;
-
-  process (all) is
-  begin
-    wishbone_m2s     <= wishbone_m2s_idle;
-    wishbone_m2s.cyc <= busy;
-    wishbone_m2s.stb <= busy;
-    wishbone_m2s.sel <= (others => '1');
-    wishbone_m2s.we  <= to_bit(place < writes);
-    for one in write_map'range loop
-      if place = one then
-        wishbone_m2s.adr <= std_ulogic_vector(to_unsigned(write_map(one), 32));
-        wishbone_m2s.dat <= write_words(one);
-      end if;
-    end loop;
-    for one in read_map'range loop
-      if place = writes + one then
-        wishbone_m2s.adr <= std_ulogic_vector(to_unsigned(read_map(one), 32));
-      end if;
-    end loop;
-  end process;
+  answered     <= wishbone_s2m.ack or wishbone_s2m.err;
+  wishbone_m2s <= (cyc => busy, stb => busy, we => to_bit(place < writes), adr => address, dat => word, sel => "1111");
 
   process (clock) is
-    variable first : natural range 0 to words;
-    variable taken : word_vector_t(block_words'range);
+    variable following : natural range 0 to words; -- the next word
+    variable goes_on   : std_ulogic;
+    variable taken     : word_vector_t(block_words'range);
   begin
     if rising_edge(clock) then
-      ran    <= running;
-      begins <= begins or (running xor ran);
-      renews <= renews or exchange;
+      ran       <= running;
+      begins    <= begins or (running xor ran);
+      renews    <= renews or exchange;
+      following := place;
+      goes_on   := '0';
 
       if busy = '0' then
         -- The next block: what is to be written, or else a look at the registers.
-        first := writes;
+        following := writes;
         if begins = '1' then
-          first := 0;
+          following := 0;
         elsif renews = '1' then
-          first := constants;
+          following := constants;
         end if;
-        place  <= first;
-        begins <= running xor ran;
-        renews <= exchange;
-        busy   <= to_bit(first < writes or reads > 0);
+        goes_on := to_bit(following < writes or reads > 0);
+        begins  <= running xor ran;
+        renews  <= exchange;
       elsif answered = '1' then
         taken := block_words;
         for one in read_map'range loop
@@ -115,8 +100,25 @@ begin
         if place = writes - 1 or place = words - 1 then
           busy <= '0';
         else
-          place <= place + 1;
+          following := place + 1;
+          goes_on   := '1';
         end if;
+      end if;
+
+      if goes_on = '1' then
+        busy  <= '1';
+        place <= following;
+        for one in write_map'range loop
+          if following = one then
+            address <= std_ulogic_vector(to_unsigned(write_map(one), 32));
+            word    <= write_words(one);
+          end if;
+        end loop;
+        for one in read_map'range loop
+          if following = writes + one then
+            address <= std_ulogic_vector(to_unsigned(read_map(one), 32));
+          end if;
+        end loop;
       end if;
 
       if reset = '1' then

@@ -167,6 +167,21 @@ def test_a_node_with_components_obeys_the_ring_on_the_twin_and_in_the_gateware()
     node_with_parts(RtlBoard(spec, plant=Nothing()))
 
 
+def test_a_node_that_has_left_the_ring_is_safe() -> None:
+    with Board(compiled(PARTS), plant=Nothing()) as board, Link(f"{board.url}?timeout=10") as link:
+        motor = board.components["motor"]
+        for address, word in ((0x84, 1), (0x85, 4000), (0x86, 5)):
+            link.write(address, word)
+        committed(link)
+        for present in (True, False, True):
+            board.set_node(2, present)
+            time.sleep(0.02)
+            assert (board.registers[0x86], link.read(0x80)) == ((5, 1) if present else (9, 1))
+            motor.duty("pins", 0)
+            time.sleep(0.02)
+            assert (motor.duty("pins", 0) > 0.8) == present
+
+
 def test_each_node_has_an_entity_of_its_own(tmp_path: Path) -> None:
     spec = load(SPEC)
     files = planned_files(SpecPlan(spec, BoardConfiguration.for_spec(spec)), ["vhdl"])

@@ -58,4 +58,18 @@ TOSNET_BLOCKS = (
             Mutant("tosnet_walk.vhd", "if place = 15 then", "if place = 14 then"),
         ),
     ),
+    Block(
+        "tosnet_carrier",
+        "`tosnet/tosnet_carrier` with three words to write and two to read",
+        depth=16,
+        pdr=True,
+        reach=40,
+        not_proven="other numbers of words, and slaves that let the bus wait: the bench tests them",
+        mutants=(
+            Mutant("tosnet_carrier.vhd", "renews    <= renews or exchange;", "renews <= exchange;"),
+            Mutant("tosnet_carrier.vhd", "begins    <= begins or (running xor ran);", "null;"),
+            Mutant("tosnet_carrier.vhd", "following := constants;", "following := constants + 1;"),
+            Mutant("tosnet_carrier.vhd", "place = writes - 1 or place = words - 1", "place < words"),
+        ),
+    ),
 )

@@ -69,11 +69,11 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink
     }
   }
   if (tosnet_ != nullptr && !node_parts_.empty()) {
-    tosnet_->attach([this](Clock now, bool online) {
+    tosnet_->attach([this](Clock now) {
       if (before_components_) {
         before_components_(now);
       }
-      node_parts_.exchange(*tosnet_, now, online);
+      node_parts_.exchange(*tosnet_, now);
     });
   }
   regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});

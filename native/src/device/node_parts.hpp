@@ -17,13 +17,15 @@ class NodeParts {
  public:
   // Takes a component. Its configuration has a node.
   void add(const ComponentConfiguration& configuration, std::unique_ptr<Component> model) {
-    parts_.push_back({configuration.carried, configuration.constants, std::move(model)});
+    const std::uint32_t node = configuration.node.value_or(0);
+    parts_.push_back({node, configuration.carried, configuration.constants, std::move(model)});
   }
   [[nodiscard]] bool empty() const noexcept { return parts_.empty(); }
 
-  // A cycle has ended, or the ring is broken or whole since `now`.
-  void exchange(Tosnet& tosnet, Clock now, bool online) {
+  // A cycle has ended, or since `now` another set of nodes is commanded.
+  void exchange(Tosnet& tosnet, Clock now) {
     for (Part& part : parts_) {
+      const bool online = tosnet.is_commanded(part.node);
       if (!part.begun || part.online != online) {
         part.begun = true;
         part.online = online;
@@ -43,6 +45,7 @@ class NodeParts {
 
  private:
   struct Part {
+    std::uint32_t node;
     std::vector<CarriedWord> carried;
     std::vector<ConstantWord> constants;
     std::unique_ptr<Component> model;

@@ -50,7 +50,7 @@ void Tosnet::advance(Clock now) {
     halted_ = halted_ || skipped_ > configuration_.max_skipped_writes;
   }
   if (exchanged_) {
-    exchanged_(now, true);
+    exchanged_(now);
   }
   to_nodes_.travel(passed);
   from_nodes_.travel(passed);
@@ -187,7 +187,7 @@ BusReply Tosnet::get(std::uint32_t address, Clock now) {
   if (address >= map::memory_words) {
     return address == map::status ? BusReply{BusStatus::ok, status()} : BusReply{BusStatus::error, 0};
   }
-  if (!online_) {
+  if (!is_commanded(address >> map::node_shift)) {
     for (const SafeValue& safe : configuration_.node_safe) {
       if (safe.address == address) {
         return {BusStatus::ok, safe.value};
@@ -223,7 +223,7 @@ void Tosnet::set_online(bool online, Clock now) {
   const bool changed = online != online_;
   online_ = online;
   if (changed && exchanged_) {
-    exchanged_(now, online);
+    exchanged_(now);
   }
 }
 
@@ -237,6 +237,9 @@ bool Tosnet::set_node(std::uint32_t id, bool present, Clock now) {
   if (absent != absent_) {
     absent_ = absent;
     restart();
+    if (exchanged_) {
+      exchanged_(now);
+    }
   }
   return true;
 }

@@ -77,10 +77,12 @@ class Tosnet final : public Bus {
   // A node leaves the ring, or comes back. The others find their ring anew (reset counter + 1). Meanwhile the PC reads
   // the node's last words. False: there is no such node.
   bool set_node(std::uint32_t id, bool present, Clock now);
-  // Components in the nodes: `exchanged` is called in each cycle, and when the network breaks or is whole again. Its
-  // second argument tells whether it is whole. It may call `get` and `set`.
-  using NodeParts = std::function<void(Clock now, bool online)>;
-  void attach(NodeParts exchanged) { exchanged_ = std::move(exchanged); }
+  // Is this node in a ring that is complete? If not, it has its safe values.
+  [[nodiscard]] bool is_commanded(std::uint32_t id) const noexcept { return online_ && (absent_ >> id & 1u) == 0; }
+  // Components in the nodes: `exchanged` is called in each cycle, and when the network breaks or is whole again, or a
+  // node leaves or comes. It may call `get` and `set`.
+  using Exchanged = std::function<void(Clock now)>;
+  void attach(Exchanged exchanged) { exchanged_ = std::move(exchanged); }
 
   // A cycle is damaged: error counter + 1, PCKERR until the next cycle.
   void damage_cycle(Clock now);
@@ -101,7 +103,7 @@ class Tosnet final : public Bus {
 
   TosnetConfiguration configuration_;
   EventSink sink_;
-  NodeParts exchanged_;
+  Exchanged exchanged_;
   std::array<Bank, 2> banks_{};  // written by the PC; banks_[write_bank_] is the hidden one
   Bank outputs_{};               // the OUT words of the nodes
   Bank seen_{};                  // the same words as the PC reads them

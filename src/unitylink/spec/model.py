@@ -263,9 +263,12 @@ class Instance:
         Return None if there are none.
         """
         members: list[Member] = []
+        kept = any(map(wanted, self.walk()))
         for member in self.members:
             part: Member | None
-            if isinstance(member, Instance):
+            if isinstance(member, Instance) and member.component is not None and not member.members:
+                part = member if kept else None  # in a node of a ring; none of its words travels
+            elif isinstance(member, Instance):
                 part = member.only(wanted)
             elif isinstance(member, Group):
                 elements = tuple(element for element in member.elements if wanted(element))

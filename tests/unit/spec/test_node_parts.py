@@ -18,6 +18,7 @@ JOINT = """joint(): @ (first) {
    shaft: quadrature_encoder(scale=0.001 rad, rate=100 Hz) @position=first;
    loop: pid(feedback=shaft.position, output=motor.duty, kp=8) @target=first+4;
 }"""
+WIDE = '@component("gpio") wide(): @base[2] { @value = base: u64 READ(); }'
 MOTOR = "m: h_bridge() @control=0x84;"
 
 
@@ -80,6 +81,19 @@ def test_a_node_may_have_parts_beside_words_for_other_logic() -> None:
     assert "position" not in node.partition("architecture")[0]
 
 
+def test_a_part_without_a_word_that_travels_stays_with_the_others() -> None:
+    links = "link one (BAUD=3 MHz); link two (BAUD=3 MHz); "
+    text = """public net(u) { TOSNET(COMM=u, NODES=ring, LINK=one);
+          m: h_bridge() @control=0x84; e: quadrature_encoder(); l: pid(e.position, m.duty) @target=0x85; }
+       public other(u) { MEMORY(COMM=u, LINK=two); @x = 0x0: READ(); }"""
+    spec = compile_text(links + text, "net.ul").spec
+    assert spec is not None
+    first, second = spec.boards
+    assert [one.path for one in components_of(first, 50_000_000)] == ["m", "e", "l"]
+    assert components_of(second, 50_000_000) == ()
+    assert "entity unitylink.quadrature_encoder" in vhdl_files(SpecPlan(first))["vhdl/net_node_2.vhd"]
+
+
 def test_an_array_travels_word_by_word() -> None:
     spec = clean("drive: pwm(channels=2) @width=(0x84,0x87), @control=0x85;")
     assert {p: e.address for p, e in spec.walk()} == {
@@ -118,6 +132,20 @@ def test_what_a_node_cannot_have(members: str, code: str, message: str) -> None:
     result = compile_text(RING.format(members, ""), "net.ul")
     ((found, said),) = [(d.code, d.message) for d in result.diagnostics]
     assert found == code and message in said
+
+
+@pytest.mark.parametrize(
+    ("members", "message"),
+    [
+        ("e: quadrature_encoder() @position=0x400;", "which is no word of a joint's node"),
+        ("e: quadrature_encoder() @position=0x0;", "which is no word of a joint's node"),
+        ("d: wide() @value=0x83;", "`d.value` has 2 words, and from 0x83 on there is no room"),
+    ],
+)
+def test_a_word_has_its_place_in_one_node(members: str, message: str) -> None:
+    result = compile_text(RING.format(members, WIDE), "net.ul")
+    errors = [(d.code, d.message) for d in result.diagnostics if d.severity == "error"]
+    assert [code for code, _ in errors] == ["UL110"] and message in errors[0][1]
 
 
 def test_an_act_does_not_travel() -> None:

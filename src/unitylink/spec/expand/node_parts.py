@@ -50,6 +50,7 @@ class NodePart:
             return hidden, None
         number = vector.numbers[element.index or 0]
         assert isinstance(number.value, int)  # an address was made from it
+        self._check_place(element, number.value, number)
         inward = RingWord.at(number.value).inward
         able = element.writable if inward else element.readable
         if element.access not in _KEPT or not able:
@@ -68,6 +69,19 @@ class NodePart:
             Carried(offset + word, address, inward) for word, address in enumerate(seen.addresses)
         ]
         return seen, number
+
+    def _check_place(self, element: Element, offset: int, number: Number) -> None:
+        """Report words that are not those of one node, or not all OUT words or IN words of one register."""
+        words = {RingWord.at(offset + word) for word in range(element.words)}
+        node = offset >> protocol.TOSNET_NODE_SHIFT
+        if len(words) == 1 and 0 < node <= protocol.TOSNET_RING_NODES_MAX:
+            return
+        if len(words) > 1:
+            message = f"`{element.path}` has {element.words} words, and from 0x{offset:X} on there is no room"
+        else:
+            message = f"`{element.path}` is bound to 0x{offset:X}, which is no word of a joint's node"
+        hint = "a register has 4 OUT words and 4 IN words, and the nodes 1 to 15 have 64 addresses each"
+        self.reporter.report("UL110", number.start, number.end, message, hint)
 
     def finished(self, component: Component) -> Component:
         """Return the component, with its words. All its elements have been taken."""
