@@ -167,6 +167,27 @@ def test_a_node_with_components_obeys_the_ring_on_the_twin_and_in_the_gateware()
     node_with_parts(RtlBoard(spec, plant=Nothing()))
 
 
+def test_a_component_of_ones_own_may_be_in_a_node(tmp_path: Path) -> None:
+    page = (SPEC.parents[2] / "docs" / "gateware" / "own-core.md").read_text(encoding="utf-8")
+    (vhdl, _), (described, *_) = (
+        re.findall(rf"^```{kind}\n(.*?)^```", page, re.M | re.S) for kind in ("vhdl", "ul")
+    )
+    (tmp_path / "stepper.vhd").write_text(vhdl, encoding="utf-8")
+    text = """public net(u) { TOSNET(COMM=u, NODE=1, NODES=ring);
+       motor: stepper() @target=0x84, @pause=0x85, @position=0x80; }\n"""
+    file = tmp_path / "net.ul"
+    file.write_text(text + described[described.index("/// Goes") :], encoding="utf-8")
+    with RtlBoard(load(file), plant=Nothing()) as board, Link(f"{board.url}?timeout=10") as link:
+        online(link)
+        for target in (0, 25):
+            link.write(0x84, target)
+            link.write(0x85, 100)
+            committed(link)
+            time.sleep(0.05)
+        until(lambda: link.read(0x80) == 25)
+        assert board.components["motor"].rises("step") == 25
+
+
 def test_a_node_that_has_left_the_ring_is_safe() -> None:
     with Board(compiled(PARTS), plant=Nothing()) as board, Link(f"{board.url}?timeout=10") as link:
         motor = board.components["motor"]
