@@ -184,18 +184,18 @@ begin
           end if;
         else
           passed <= passed - 1;
-        end if;
-        if runs = '1' and taken /= steps - 1 then
-          if due >= 0 then
-            due   <= due + period;
-            taken <= taken + 1;
-            if back = '1' then
-              angle <= angle - step_size;
+          if runs = '1' and taken /= steps - 1 then
+            if due >= 0 then
+              due   <= due + period;
+              taken <= taken + 1;
+              if back = '1' then
+                angle <= angle - step_size;
+              else
+                angle <= angle + step_size;
+              end if;
             else
-              angle <= angle + step_size;
+              due <= due + steps;
             end if;
-          else
-            due <= due + steps;
           end if;
         end if;
       end if;

@@ -42,7 +42,8 @@ class Hx711 final : public Component {
   void step(Clock edge) override {
     const State before = state_;
     const bool other = wanted() != chosen_;
-    if (ended_ && !is_held(edge)) {
+    const bool is_pending = ended_;
+    if (is_pending && !is_held(edge)) {
       ended_ = false;
       tries_.take(reason_);
       event(reason_ == fine ? sampled : failed, edge);
@@ -51,7 +52,7 @@ class Hx711 final : public Component {
       }
     }
     if (ticker_.is_tick(edge)) {
-      tick(edge, other);
+      tick(edge, other, is_pending);
     }
     if (!enable() && before != State::down) {
       ended_ = false;
@@ -69,7 +70,7 @@ class Hx711 final : public Component {
     plan(edge);
   }
 
-  void tick(Clock edge, bool other) {
+  void tick(Clock edge, bool other, bool is_pending) {
     const bool raw = filter_.level(0);
     const bool was = was_;
     const std::uint64_t now = ticker_.until(edge) - 1 - began_;  // us in this state
@@ -84,7 +85,9 @@ class Hx711 final : public Component {
         }
         break;
       case State::waiting:
-        if (!raw && !was) {
+        if (is_pending) {
+          began_ = ticker_.until(edge);
+        } else if (!raw && !was) {
           chosen_ = wanted();
           left_ = other ? settle_ + 1 : left_;
           go(State::shifting, edge);

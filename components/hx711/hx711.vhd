@@ -18,7 +18,8 @@
 --           dropped. The value is not valid until then.
 -- Recovery  Behind a failure 1 or 3, and a reset, sck is high for 64 us, which resets the chip.
 -- Ready     dout is low for two looks, 1 us apart. A spike below 1 us reads nothing.
--- Block     A try that ends while cyc is high is taken behind it. So all words of a block are of one moment.
+-- Block     A try that ends while cyc is high is taken behind it. So all words of a block are of one moment. The next
+--           try begins behind that.
 -- Wire      value_wire has the value, and is valid with it.
 -- Events    sampled: there is a new value. failed: a try has failed.
 -- Latency   2 clocks per access (register_slave). From ready to sampled 53 to 61 us.
@@ -167,7 +168,9 @@ begin
             end if;
 
           when waiting =>
-            if raw = '0' and before = '0' then
+            if ended = '1' then
+              now <= (others => '0'); -- the bits of the sample stay until it is taken
+            elsif raw = '0' and before = '0' then
               chosen <= wanted;
               if other = '1' then
                 left <= to_unsigned(settle + 1, left'length);

@@ -116,7 +116,7 @@ class OneWire final : public Component {
     crc_ = count_ = 0;
     if (before != rests) {
       fail(not_converted);
-    } else if (enable()) {
+    } else if (enable() && !ended_) {
       step_ = starts;
       go(number);
     }

@@ -18,7 +18,8 @@
 --           overwrites from its EEPROM. So a true 85 degC counts, and a false one never does.
 -- Wait      parasite 0: it is asked until it is done, and must be busy at first. parasite 1: the line is driven high
 --           for the time of the datasheet, so that it feeds the thermometer.
--- Block     A try that ends while cyc is high is taken behind it. So all words of a block are of one moment.
+-- Block     A try that ends while cyc is high is taken behind it. So all words of a block are of one moment. The next
+--           try begins with the first period behind that.
 -- Events    sampled: there is a new value. failed: a try has failed.
 -- Latency   2 clocks per access (register_slave). A try takes 14 ms and the conversion.
 -- Errors    err for a write to +1 and +2, and for addresses from 3 on.
@@ -296,8 +297,8 @@ begin
         count    <= (others => '0');
         if step /= rests then
           fail(not_converted);
-        elsif enable = '1' then
-          step <= starts;
+        elsif enable = '1' and (ended = '0' or accept = '1') then
+          step <= starts; -- unless a block still holds the last try back
         end if;
       end if;
       if enable = '0' then

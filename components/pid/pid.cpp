@@ -71,6 +71,10 @@ class Pid final : public Component {
   void step(Clock edge) override {
     const bool ran = runs();
     bool trips = false;
+    if (enable() && !enabled_before_) {
+      is_tripped_ = false;
+      lost_ = false;
+    }
     if (ran && edge > 0 && ticks_.until(edge) != ticks_.until(edge - 1)) {
       sample(edge);
     }
@@ -87,10 +91,6 @@ class Pid final : public Component {
     if (trips && ran) {
       is_tripped_ = true;
       event(0, edge);
-    }
-    if (enable() && !enabled_before_) {
-      is_tripped_ = false;
-      lost_ = false;
     }
     enabled_before_ = enable();
     if (!ran || trips) {

@@ -201,6 +201,12 @@ begin
       applies        <= applies or written(12);
       trips          := false;
 
+      -- Before the period, which may begin in this clock and lose its feedback.
+      if enable = '1' and enabled_before = '0' then
+        is_tripped <= '0';
+        lost       <= '0';
+      end if;
+
       case state is
         when idle =>
           now  := value_of(feedback_wire);
@@ -316,10 +322,6 @@ begin
         is_tripped <= '1';
         tripped    <= '1';
       end if;
-      if enable = '1' and enabled_before = '0' then
-        is_tripped <= '0';
-        lost       <= '0';
-      end if;
       if runs = '0' or trips then
         value    <= to_signed(safe, output_wire_bits);
         integral <= (others => '0');
@@ -332,6 +334,7 @@ begin
 
       if reset = '1' then
         phase      <= (others => '0');
+        tripped    <= '0';
         state      <= idle;
         bit_count  <= 0;
         term       <= 0;

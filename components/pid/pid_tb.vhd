@@ -217,9 +217,23 @@ begin
     expect(3, "no feedback");
     bus_expect(clock, m2s, s2m, 1, x"0000000C");
     check(trips = 2, "it trips again");
+    -- Without feedback no start gives anything else, in whatever clock of a period it is.
+    put(11, 0);
+    for phase in 0 to period - 1 loop
+      put(0, 0);
+      cut <= '0';
+      put(0, 1); -- which ends the trip
+      put(0, 0);
+      cut <= '1';
+      wait_clocks(clock, phase);
+      put(0, 1);
+      while tripped = '0' loop
+        wait_clocks(clock, 1);
+        check(value_of(output) = 3, "an output without feedback");
+      end loop;
+    end loop;
     cut <= '0';
     put(0, 0);
-    put(11, 0);
     put(0, 1);
 
     -- A wire is the target.

@@ -158,7 +158,8 @@ begin
   begin
     if rising_edge(clock) then
       if put = '1' then
-        memory(to_integer(unsigned'((not bank) & channel))) <= value;
+        -- If the frame before is taken in this clock, the banks change places.
+        memory(to_integer(unsigned'((bank xnor fresh) & channel))) <= value;
       end if;
     end if;
   end process;

@@ -23,6 +23,9 @@ class Ws2812 final : public Component {
     bit_clocks_ = (1250 * khz + 500'000) / 1'000'000;
     pause_ = 1 + (reset_us * khz + 999) / 1000 / (bit_clocks_ * colour_bits_);
     word(update, 1, 0);
+    left_ = colour_bits_ - 1;
+    ahead_ = leds_ + 1;
+    plan_bit();
   }
 
  private:
@@ -123,7 +126,7 @@ class Ws2812 final : public Component {
   std::uint32_t shift_ = 0;     // the colour that is sent
   std::uint32_t next_ = 0;      // and the next one
   bool pending_ = true;
-  bool sending_ = false;
+  bool sending_ = true;  // the pause that is first behind a reset
   bool is_quiet_ = true;
 };
 

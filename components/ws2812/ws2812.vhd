@@ -12,7 +12,8 @@
 --
 -- Frame     All LEDs, and then the line is low for reset_us or up to an LED longer, so that they take it. What is asked
 --           for meanwhile is sent behind it: so the strip ends with what was last written. Without `on` all colours
---           are sent as 0, and the memory keeps them. Behind a reset such a dark frame is sent: the strip may be lit.
+--           are sent as 0, and the memory keeps them. Behind a reset come a pause and such a dark frame: the strip may
+--           be lit, or in the middle of a frame.
 -- Times     350 ns is rounded down to whole clocks, 700 and 1250 ns to the nearest. With a clock of 8 MHz or more,
 --           chips of all kinds understand them.
 -- Memory    One block RAM, which the bus and the strip read in turn. The bus goes first, and never waits.
@@ -64,6 +65,7 @@ architecture rtl of ws2812 is
 
   subtype colour_t is std_ulogic_vector(colour_bits - 1 downto 0);
   subtype index_t is unsigned(index_bits - 1 downto 0);
+  subtype ahead_t is unsigned(bits_for(end_place + pause + 1) - 1 downto 0);
   type memory_t is array (0 to 2 ** index_bits - 1) of colour_t;
 
   -- A memory is never read and written at once: what such a read gives depends on the chip. Its words 0 and 1 stay 0.
@@ -80,11 +82,11 @@ architecture rtl of ws2812 is
 
   -- The frame.
   signal pending  : std_ulogic := '1'; -- one is asked for
-  signal sending  : std_ulogic := '0';
+  signal sending  : std_ulogic := '1'; -- at power-up and behind a reset it begins with the pause
   signal clocks   : unsigned(bits_for(bit_clocks) - 1 downto 0) := (others => '0'); -- of the bit
-  signal left     : unsigned(4 downto 0) := (others => '0');                        -- bits behind this one
-  signal ahead    : unsigned(bits_for(end_place + pause + 1) - 1 downto 0) := (others => '0'); -- the next LED
-  signal quiet    : std_ulogic := '0';                                              -- the pause
+  signal left     : unsigned(4 downto 0) := to_unsigned(colour_bits - 1, 5);            -- bits behind this one
+  signal ahead    : ahead_t := to_unsigned(end_place + 1, ahead_t'length);           -- the next LED
+  signal quiet    : std_ulogic := '1';                                              -- the pause
   signal fetch    : std_ulogic := '0';                                              -- the next colour is wanted
   signal fetches  : std_ulogic;                                                     -- and is read in this clock
   signal fetched  : std_ulogic := '0';                                              -- and is there
@@ -209,9 +211,14 @@ begin
         sent    <= '0';
         fetch   <= '0';
         fetched <= '0';
-        sending <= '0';
         pending <= '1';
         data    <= '0';
+        -- A pause first, because the reset may have cut a frame.
+        sending <= '1';
+        quiet   <= '1';
+        clocks  <= (others => '0');
+        left    <= to_unsigned(colour_bits - 1, left'length);
+        ahead   <= to_unsigned(end_place + 1, ahead'length);
       end if;
     end if;
   end process;

@@ -39,6 +39,7 @@ architecture test of ws2812_tb is
   signal data   : std_ulogic;
   signal shown  : std_ulogic_vector(bits - 1 downto 0);
   signal frames : natural;
+  signal cut    : boolean := false; -- a reset cuts a frame
 
 begin
 
@@ -50,7 +51,7 @@ begin
 
   strip : entity work.ws2812_strip_model
     generic map (bits => bits, pause_time => reset_us * 1 us)
-    port map (data => data, done => done, shown => shown, frames => frames);
+    port map (data => data, done => done, cut => cut, shown => shown, frames => frames);
 
   listen : process (clock) is
   begin
@@ -197,11 +198,25 @@ begin
       expect_colour(index);
     end loop;
 
+    -- A reset in a frame: the strip takes what it has, and is then dark.
+    for turn in 1 to 5 loop
+      bus_write(clock, m2s, s2m, 0, 1);
+      wait for bits * 1250 ns * turn / 6;
+      wait_clocks(clock, random.integer_between(0, 62));
+      cut   <= true;
+      reset <= '1';
+      wait_clocks(clock, random.integer_between(1, 5));
+      reset <= '0';
+      settle(2);
+      cut <= false;
+      check_equal(shown, (shown'range => '0'), "dark behind a reset in a frame");
+    end loop;
+
     report_passed("ws2812_tb");
     done <= true;
     wait;
   end process;
 
-  watchdog(done, frame_time * 40, "ws2812_tb");
+  watchdog(done, frame_time * 60, "ws2812_tb");
 
 end architecture;

@@ -6,7 +6,9 @@ from __future__ import annotations
 from block import Block, Mutant
 from bus_blocks import BUS_BLOCKS
 from component_blocks import COMPONENT_BLOCKS
+from loop_blocks import LOOP_BLOCKS
 from physical_blocks import PHYSICAL_BLOCKS
+from sensor_blocks import SENSOR_BLOCKS
 from small_blocks import SMALL_BLOCKS
 from tosnet_blocks import TOSNET_BLOCKS
 
@@ -375,4 +377,6 @@ BLOCKS = (
     ),
     *SMALL_BLOCKS,
     *COMPONENT_BLOCKS,
+    *SENSOR_BLOCKS,
+    *LOOP_BLOCKS,
 )

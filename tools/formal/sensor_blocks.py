@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is proven about the components that measure."""
+
+from __future__ import annotations
+
+from block import Block, Mutant
+
+SENSOR_BLOCKS = (
+    Block(
+        "sigma_delta_adc_sinc3",
+        "`components/sigma_delta_adc`, a filter with an osr of 3 and a bit at each clock",
+        depth=6,
+        deep=22,
+        not_proven="the clocks after the search, which has five values; other rates; bits further apart",
+        mutants=(
+            Mutant(
+                "sigma_delta_adc_sinc3.vhd", "sums(3) <= sums(3) + sums(2);", "sums(3) <= sums(3) + sums(1);"
+            ),
+            Mutant("sigma_delta_adc_sinc3.vhd", "if left = 0 then", "if left = 1 then"),
+            Mutant(
+                "sigma_delta_adc_sinc3.vhd", "before(number) <= value;", "before(number) <= sums(number);"
+            ),
+            Mutant(
+                "sigma_delta_adc_sinc3.vhd", "before <= (others => (others => '0'));\n        left", "left"
+            ),
+        ),
+    ),
+    Block(
+        "sigma_delta_adc",
+        "`components/sigma_delta_adc`, two channels, filters that give any value",
+        depth=8,
+        reach=14,
+        pdr=True,
+        for_ever=("lost_is_told", "lost_trips", "trip_has_a_cause"),
+        seen={
+            "words": "dut.write_words",
+            "take": "dut.take",
+            "levels": "dut.levels",
+            "fresh": "dut.fresh",
+            "trip_fresh": "dut.trip_fresh",
+            "sums": "dut.sums",
+            "trip_sums": "dut.trip_sums",
+        },
+        loose=("dut.take", "dut.fresh", "dut.trip_fresh", "dut.sums", "dut.trip_sums"),
+        not_proven="mclk; other rates and numbers of channels; the filters, which have a proof of their own",
+        mutants=(
+            Mutant("sigma_delta_adc.vhd", "if size < 0 then", "if false then"),
+            Mutant(
+                "sigma_delta_adc.vhd", "limit /= 0 and unsigned(size) > limit", "unsigned(size) > limit + 1"
+            ),
+            Mutant(
+                "sigma_delta_adc.vhd",
+                "bad := lost or beyond;",
+                "bad := lost or (channels_t'range => beyond(0));",
+            ),
+            Mutant("sigma_delta_adc.vhd", "elsif enabled_before = '0' then", "else"),
+            Mutant("sigma_delta_adc.vhd", "running    <= nor bad;", "running    <= '1';"),
+            Mutant("sigma_delta_adc.vhd", "settled(number) <= 0;", "null;"),
+            Mutant("sigma_delta_adc.vhd", "value_t'length)) - bias -", "value_t'length)) - bias +"),
+        ),
+    ),
+    Block(
+        "rc_receiver",
+        "`components/rc_receiver`, two channels, frames at any clock and of any age",
+        depth=12,
+        pdr=True,
+        seen={
+            "put": "dut.put",
+            "channel": "dut.channel",
+            "value": "dut.value",
+            "whole": "dut.whole",
+            "broken": "dut.broken",
+            "flags": "dut.flags",
+            "age": "dut.age",
+            "valid": "dut.valid",
+        },
+        loose=("dut.put", "dut.channel", "dut.value", "dut.whole", "dut.broken", "dut.flags", "dut.age"),
+        not_proven="the front ends, PPM and S.Bus, and how the age counts: the bench has them",
+        mutants=(
+            Mutant("rc_receiver.vhd", "(bank xnor fresh) & channel", "(not bank) & channel"),
+            Mutant("rc_receiver.vhd", "elsif takes = '1' or put = '1' then", "elsif takes = '1' then"),
+            Mutant("rc_receiver.vhd", "takes   <= pending and not wishbone_m2s.cyc;", "takes   <= pending;"),
+            Mutant(
+                "rc_receiver.vhd",
+                "fresh   <= takes and not kept(3) and not kept(2);",
+                "fresh   <= takes and not kept(3);",
+            ),
+            Mutant("rc_receiver.vhd", "(takes and kept(3)) = '1' or expires", "expires"),
+            Mutant("rc_receiver.vhd", "is_channel <= valid and to_bit", "is_channel <= to_bit"),
+        ),
+    ),
+    Block(
+        "hall",
+        "`components/hall`, a clock of 1 MHz, without a filter",
+        depth=14,
+        induction=2,
+        seen={
+            "levels": "dut.levels",
+            "sector": "dut.sector",
+            "known": "dut.known",
+            "runs": "dut.runs",
+            "back": "dut.back",
+            "timed": "dut.timed",
+            "taken": "dut.taken",
+        },
+        not_proven="when a step of the angle is due; the velocity; the filter: the bench has them",
+        mutants=(
+            Mutant("hall.vhd", "angle <= angle + step_size;", "angle <= angle + step_size + 1;"),
+            Mutant("hall.vhd", "if timed = '1' and back = to_bit(down) then", "if timed = '1' then"),
+            Mutant("hall.vhd", "valid      <= to_bit(good);", "valid      <= '1';"),
+            Mutant("hall.vhd", "place := sector & '0';", "place := found & '0';"),
+            Mutant("hall.vhd", "if known = '1' and (up or down) then", "if known = '1' then"),
+            Mutant("hall.vhd", "(not good and bad_before = '0')", "not good"),
+        ),
+    ),
+)
