@@ -124,9 +124,12 @@ begin
     end procedure;
 
     -- A packet of hexadecimal digits comes, and the node answers with `expected`. What it says by itself comes before,
-    -- or after a longer wait.
-    procedure packet (text : string; expected : string := ""; is_good : boolean := true) is
+    -- or after a longer wait. The node is told to start again restart_clocks after byte restart_byte.
+    procedure packet (
+      text : string; expected : string := ""; is_good : boolean := true; restart_byte : integer := -1;
+      restart_clocks : natural := 0) is
       alias digits : string(1 to text'length) is text;
+      variable clocks : natural; -- until the next byte
     begin
       check_sent("", "before " & text);
       start <= '1';
@@ -136,10 +139,22 @@ begin
       for index in 0 to text'length / 2 - 1 loop
         data  <= std_ulogic_vector(to_unsigned(16 * digit_value(digits(2 * index + 1))
                                                + digit_value(digits(2 * index + 2)), 8));
-        valid <= '1';
+        clocks := symbol_clocks;
+        valid  <= '1';
+        if index = restart_byte then
+          if restart_clocks > 0 then
+            tick(clock);
+            valid <= '0';
+            tick(clock, restart_clocks - 1);
+          end if;
+          clocks  := symbol_clocks - restart_clocks;
+          cause   <= trouble_silence;
+          restart <= '1';
+        end if;
         tick(clock);
-        valid <= '0';
-        tick(clock, symbol_clocks - 1);
+        restart <= '0';
+        valid   <= '0';
+        tick(clock, clocks - 1);
       end loop;
       done <= '1';
       good <= to_bit(is_good);
@@ -268,6 +283,18 @@ begin
       check_equal(running, '1', "running after a damaged list and a good one");
       check_equal(restarts, before, "restarts because of damage");
       again;
+
+      -- Of a list in which the node starts again, nothing is sent behind this moment. The byte that looks like
+      -- MASTER_DSC is none.
+      slave_counts;
+      packet("540319272C", "54", restart_byte => 1);
+      for clocks in 1 to 4 loop
+        slave_counts;
+        packet("540319272C", "5403", restart_byte => 1, restart_clocks => clocks);
+        check_equal(is_master & running, "00", "a restart in the middle of a list");
+        slave_registers;
+        packet("700101FFFF83830000", "7001", restart_byte => 1, restart_clocks => 4);
+      end loop;
     end procedure;
 
     procedure master_counts is

@@ -93,7 +93,7 @@ architecture rtl of tosnet_node is
   -- begins one, and some registers.
   constant way_clocks  : positive := 27 * clocks_per_bit + 5;
   -- The least wait: the first byte must be there, and two more, because the clocks of two nodes differ.
-  constant least_wait  : positive := 20 * clocks_per_bit + 8;
+  constant least_wait  : positive := 20 * clocks_per_bit + 9;
   constant wait_clocks : positive := maximum(hop_clocks - way_clocks, 1);
 
   signal symbol_valid, control, wrong, line_lost : std_ulogic;
@@ -247,12 +247,22 @@ begin
     send_id         <= "0000";
   end generate;
 
-  put_valid           <= start_item_valid or exchange_item_valid;
-  put_item            <= start_item when start_item_valid = '1' else exchange_item;
-  exchange_item_ready <= put_ready and not start_item_valid;
+  exchange_item_ready <= put_ready and not start_item_valid and not put_valid;
 
-  -- A packet that was under way when the ring starts again has no end. So nothing of it stays.
+  -- A packet that was under way when the ring starts again has no end. So nothing of it stays. But what tosnet_start
+  -- sends in that clock is new: it is in put_item, and is queued in the next one.
   flush <= reset or restarted;
+
+  put : process (clock) is
+  begin
+    if rising_edge(clock) then
+      put_valid <= start_item_valid or (exchange_item_valid and exchange_item_ready);
+      put_item  <= start_item when start_item_valid = '1' else exchange_item;
+      if reset = '1' then
+        put_valid <= '0';
+      end if;
+    end if;
+  end process;
 
   -- A packet that comes waits here until the hop's time has come.
   queue : entity work.fifo

@@ -126,7 +126,7 @@ begin
 
   running     <= to_bit(phase = goes) and not rests;
   is_master   <= master when may_be_master else '0';
-  item_valid  <= (to_bit(bytes > 0) or ends) and not restarted;
+  item_valid  <= to_bit(bytes > 0) or ends;
   item_data   <= '0' & byte when bytes > 0 else item_end(8 downto 1) & poison;
   write_index <= count;
   write_data  <= data; -- it stands still until the next symbol
@@ -193,9 +193,7 @@ begin
       joins       := '0';
       leave       := '0';
 
-      if restarted = '1' then
-        null; -- what is sent next waits, because the queue behind this is emptied in this clock
-      elsif bytes > 0 then
+      if bytes > 0 then
         bytes  <= bytes - 1;
         source <= entry when source = head and phase = counting else mask;
       else
@@ -358,13 +356,20 @@ begin
       end if;
 
       if (again and not rests) = '1' then
-        restarted <= '1';
-        lists     <= '0';
-        claimed   <= '0';
-        master    <= '0';
-        phase     <= electing;
-        timer     <= (others => '0');
-        trouble   <= why;
+        restarted  <= '1';
+        lists      <= '0';
+        forwarding <= '0';
+        claimed    <= '0';
+        master     <= '0';
+        phase      <= electing;
+        timer      <= (others => '0');
+        trouble    <= why;
+      end if;
+
+      -- What was under way would be a packet without its beginning.
+      if restart = '1' then
+        bytes <= 0;
+        ends  <= '0';
       end if;
 
       if reset = '1' then
