@@ -24,6 +24,8 @@ entity tosnet_bench_node is
     may_be_master     : boolean;
     most_nodes        : positive;
     two_rings         : boolean; -- some nodes may be absent
+    check_bytes       : positive;
+    exact_hops        : boolean; -- then the first word of the lowest id's first register is that of the clock
     oldest            : time -- a set that is older must not be taken for fresh
   );
   port (
@@ -42,6 +44,8 @@ entity tosnet_bench_node is
     oldest_set : out time;   -- of all that were taken for fresh
     age        : out time;   -- of the oldest set of the last fresh cycle
     address   : out natural range 0 to 15;
+    time_valid : out std_ulogic;
+    time_bits  : out unsigned(31 downto 0);
 
     post_message    : in  std_ulogic;                     -- each change posts a message
     post_words      : in  std_ulogic_vector(95 downto 0); -- its first byte is on top
@@ -56,6 +60,37 @@ end entity;
 architecture test of tosnet_bench_node is
 
   constant tick_time : time := 20 ns; -- of the times in the words
+
+  -- The synchroniser of a wire, or the registers of the samples below.
+  function clocks_of_input return positive is
+  begin
+    if samples_per_clock = 1 then
+      return 2;
+    end if;
+    return 1;
+  end function;
+
+  constant input_clocks : positive := clocks_of_input;
+
+  function place_of_time return natural is
+    variable lowest : natural := 15;
+    variable result : natural := 0;
+  begin
+    for node in ring'range loop
+      if ring(node).id < lowest then
+        lowest := ring(node).id;
+        result := ring(node).id * 64;
+        for number in 7 downto 0 loop
+          if ring(node).registers(number) = '1' then
+            result := ring(node).id * 64 + number * 8;
+          end if;
+        end loop;
+      end if;
+    end loop;
+    return result;
+  end function;
+
+  constant time_address : natural := place_of_time;
 
   subtype stamp_t is unsigned(21 downto 0);
   type memory_t is array (0 to 1023) of std_ulogic_vector(31 downto 0);
@@ -72,6 +107,7 @@ architecture test of tosnet_bench_node is
   signal received_word    : std_ulogic_vector(31 downto 0);
   signal send_address     : std_ulogic_vector(9 downto 0);
   signal send_word        : std_ulogic_vector(31 downto 0);
+  signal time_word        : std_ulogic_vector(31 downto 0);
   signal to_ring_valid, to_ring_ready : std_ulogic;
   signal to_ring_last     : std_ulogic_vector(1 downto 0);
   signal to_ring_id       : std_ulogic_vector(3 downto 0);
@@ -124,7 +160,8 @@ begin
     generic map (
       clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
       watchdog_bits => watchdog_bits, may_be_master => may_be_master,
-      most_nodes => most_nodes)
+      most_nodes => most_nodes, check_bytes => check_bytes, exact_hops => exact_hops,
+      line_clocks => input_clocks)
     port map (
       clock => clock, reset => reset, line_in => samples, line_out => line_out, id => node_id,
       registers => ring(place).registers, running => running, is_master => is_master, own_address => own_address,
@@ -136,6 +173,20 @@ begin
       to_ring_last => to_ring_last, to_ring_id => to_ring_id, from_ring_valid => from_ring_valid,
       from_ring_ready => '1', from_ring_data => from_ring_data, from_ring_last => from_ring_last,
       from_ring_id => from_ring_id, message_lost => open);
+
+  shared_time : if exact_hops generate
+    clock_of_ring : entity work.tosnet_clock
+      generic map (address => time_address, clocks_per_bit => clocks_per_bit)
+      port map (
+        clock => clock, reset => reset, running => running, is_master => is_master, strobe => strobe,
+        strobe_fresh => strobe_fresh, received_valid => received_valid, received_address => received_address,
+        received_word => received_word, word => time_word, valid => time_valid, now_bits => time_bits);
+  end generate;
+
+  no_shared_time : if not exact_hops generate
+    time_valid <= '0';
+    time_bits  <= (others => '0');
+  end generate;
 
   to_ring_valid <= to_bit(left > 0);
   to_ring_last  <= std_ulogic_vector(to_unsigned(minimum(left, 4) - 1, 2)) when left > 0 else "00";
@@ -193,7 +244,9 @@ begin
       end if;
       for number in 0 to 7 loop
         for lane in 0 to 3 loop
-          if ring(node).registers(number) = '1' then
+          if ring(node).registers(number) = '1'
+            and not (exact_hops and ring(node).id * 64 + number * 8 + direction * 4 + lane = time_address)
+          then
             at   := ring(node).id * 64 + number * 8 + direction * 4 + lane;
             word := hidden(at);
             check(came(at), "node " & integer'image(id) & ": word " & integer'image(at) & " did not come");
@@ -269,6 +322,8 @@ begin
           if not known(who) then
             send_word <= (others => '0');
           end if;
+        elsif exact_hops and to_integer(unsigned(send_address)) = time_address then
+          send_word <= time_word;
         end if;
       end if;
     end if;

@@ -29,6 +29,8 @@ entity tosnet_ring_tb is
     only_first_master : boolean  := false; -- only the lowest id may be master
     two_rings         : boolean  := false; -- of two nodes each at first, which are joined later
     refused           : string   := "";    -- "same_id", "no_master" or "too_many": a ring that must not start
+    check_bytes       : positive := 1;
+    exact_hops        : boolean := false;
     seed              : positive := 1;
     log_file          : string   := ""     -- what is on the line of the first node, one sample per clock
   );
@@ -72,7 +74,7 @@ architecture test of tosnet_ring_tb is
     return trouble_too_many;
   end function;
 
-  constant cycle_bits : positive := 10 * (18 + 32 * all_registers) + hop_bits * nodes; -- docs/tosnet.md
+  constant cycle_bits : positive := 10 * (17 + check_bytes + 32 * all_registers) + hop_bits * nodes; -- docs/tosnet.md
   constant cycle_time : time     := cycle_bits * bit_time;
   -- Elections, two lists and their sets, each once round, and one lost start.
   constant start_limit : time := 20 * 16 * hop_bits * bit_time + 10 * nodes * hop_bits * bit_time
@@ -81,6 +83,7 @@ architecture test of tosnet_ring_tb is
 
   type naturals_t is array (natural range <>) of natural;
   type words_t is array (natural range <>) of std_ulogic_vector(31 downto 0);
+  type times_t is array (natural range <>) of unsigned(31 downto 0);
   type troubles_t is array (natural range <>) of trouble_t;
 
   function periods return time_vector is
@@ -124,6 +127,9 @@ architecture test of tosnet_ring_tb is
   signal cut_line : std_ulogic_vector(ring'range) := (others => '0');
   signal running, is_master, strobe : std_ulogic_vector(ring'range);
   signal trouble  : troubles_t(ring'range);
+  signal time_valid : std_ulogic_vector(ring'range);
+  signal time_bits  : times_t(ring'range);
+  signal strobe_at  : time_vector(ring'range) := (others => 0 ns);
   signal fresh, stale, restarts, address : naturals_t(ring'range);
   signal oldest_set, age : time_vector(ring'range);
   signal split      : boolean := two_rings;
@@ -151,12 +157,14 @@ begin
         ring => ring, place => place, clock_period => clock_periods(place), clocks_per_bit => clocks_per_bit,
         samples_per_clock => samples_per_clock, hop_bits => hop_bits, watchdog_bits => watchdog_bits,
         may_be_master => (not only_first_master or ring(place).id = lowest_id) and refused /= "no_master",
-        most_nodes => most_nodes, two_rings => two_rings, oldest => oldest)
+        most_nodes => most_nodes, two_rings => two_rings, check_bytes => check_bytes, exact_hops => exact_hops,
+        oldest => oldest)
       port map (
         ended => done, reset => reset(place), id => ids(place), line_in => entries(place),
         line_out => lines(place), running => running(place), is_master => is_master(place),
         trouble => trouble(place), strobe => strobe(place), fresh => fresh(place), stale => stale(place),
         restarts => restarts(place), oldest_set => oldest_set(place), age => age(place), address => address(place),
+        time_valid => time_valid(place), time_bits => time_bits(place),
         post_message => post_message(place), post_words => post_words, post_bytes => post_bytes, post_id => post_id,
         heard_bytes => heard_bytes(place),
         heard_words => heard_words(place), heard_from => heard_from(place));
@@ -182,6 +190,10 @@ begin
       end process;
     end generate;
 
+  end generate;
+
+  strobes : for place in ring'range generate
+    strobe_at(place) <= now when rising_edge(strobe(place));
   end generate;
 
   log : if log_file /= "" generate
@@ -255,6 +267,39 @@ begin
           check(age(place) <= 2 * cycle_time + nodes * 10 * bit_time, "the age of a value at a slave");
         end if;
       end loop;
+    end procedure;
+
+    -- How far the strobes and the clocks of the nodes are apart, over some cycles.
+    procedure measure_moments is
+      variable early, late    : time;
+      variable apart          : time    := 0 ns;
+      variable differ         : integer := 0; -- bits
+      variable most_bits      : natural := 0;
+      constant limit          : time    := 1 us;
+    begin
+      check((and time_valid) = '1', "a clock of the ring is not valid");
+      for count in 1 to cycles loop
+        wait until strobe'event and strobe(master) = '1';
+        wait for cycle_time / 3;
+        early := strobe_at(master);
+        late  := strobe_at(master);
+        for place in ring'range loop
+          early := minimum(early, strobe_at(place));
+          late  := maximum(late, strobe_at(place));
+        end loop;
+        apart := maximum(apart, late - early);
+        for sample in 1 to 20 loop
+          wait for cycle_time / 50;
+          for place in ring'range loop
+            differ    := to_integer(signed(time_bits(place) - time_bits(master)));
+            most_bits := maximum(most_bits, abs differ);
+          end loop;
+        end loop;
+      end loop;
+      report "tosnet_ring_tb: strobes are " & time'image(apart) & " apart, clocks " & integer'image(most_bits)
+             & " bits of " & time'image(bit_time);
+      check(apart < limit, "strobes are too far apart");
+      check((most_bits + 1) * bit_time < limit, "clocks are too far apart");
     end procedure;
 
     -- Sends a message of so many bytes, and waits until it has come. Target 0 means all other nodes.
@@ -332,6 +377,9 @@ begin
 
     all_run(start_limit, "after reset");
     measure_cycle;
+    if exact_hops then
+      measure_moments;
+    end if;
 
     if messages then
       for place in ring'range loop

@@ -45,8 +45,10 @@ package tosnet_code_pkg is
   -- A byte that is scrambled or descrambled by it.
   function scrambled (data : byte_t; scramble : byte_t) return byte_t;
 
-  -- The checksum after one more byte: polynomial x^8 + x^6 + x^5 + x^2 + 1, the most significant bit first.
-  function next_sum (sum : byte_t; data : byte_t) return byte_t;
+  -- The checksum after one more byte, the most significant bit first. One of 8 bits has the published polynomial
+  -- x^8 + x^6 + x^5 + x^2 + 1. It finds any two wrong bits in packets of up to 255 bits. One of 16 bits has
+  -- x^16 + x^12 + x^5 + 1, and finds any three wrong bits in packets of up to 32767 bits, which is longer than any.
+  function next_sum (sum : std_ulogic_vector; data : byte_t) return std_ulogic_vector;
 
 end package;
 
@@ -168,15 +170,25 @@ package body tosnet_code_pkg is
     return data xor scramble;
   end function;
 
-  function next_sum (sum : byte_t; data : byte_t) return byte_t is
-    constant polynomial : byte_t := byte_t(to_unsigned(tosnet_wire_crc_polynomial_c, 8));
-    variable rest       : byte_t := sum xor data;
+  function polynomial (bits : positive) return std_ulogic_vector is
   begin
+    if bits = 8 then
+      return std_ulogic_vector(to_unsigned(tosnet_wire_crc_polynomial_c, 8));
+    end if;
+    return std_ulogic_vector(to_unsigned(tosnet_wire_wide_crc_polynomial_c, 16));
+  end function;
+
+  function next_sum (sum : std_ulogic_vector; data : byte_t) return std_ulogic_vector is
+    constant top      : natural := sum'length - 1;
+    constant feedback : std_ulogic_vector(top downto 0) := polynomial(sum'length);
+    variable rest     : std_ulogic_vector(top downto 0) := sum;
+  begin
+    rest(top downto top - 7) := rest(top downto top - 7) xor data;
     for step in 0 to 7 loop
-      if rest(7) = '1' then
-        rest := (rest(6 downto 0) & '0') xor polynomial;
+      if rest(top) = '1' then
+        rest := (rest(top - 1 downto 0) & '0') xor feedback;
       else
-        rest := rest(6 downto 0) & '0';
+        rest := rest(top - 1 downto 0) & '0';
       end if;
     end loop;
     return rest;

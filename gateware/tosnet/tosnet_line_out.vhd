@@ -6,6 +6,8 @@
 --
 -- Use       A symbol is always on the line. `take` is high in the clock in which `data` and `control` are those of the
 --           next one.
+-- Cut       `cut` is high, and data and control are those of a symbol that begins at once: the one on the line ends
+--           early. Its first bit is on the line two clocks later.
 -- Latency   The first bit of the symbol is on the line 2 * clocks_per_bit clocks after that of `take`. A symbol is
 --           10 * clocks_per_bit clocks long.
 -- Reset     The line sends the symbol of zero bits, which does not exist, for at most a symbol's time.
@@ -27,6 +29,7 @@ entity tosnet_line_out is
     take    : out std_ulogic;
     data    : in  byte_t;
     control : in  std_ulogic;
+    cut     : in  std_ulogic := '0';
     line    : out std_ulogic
   );
 end entity;
@@ -88,8 +91,12 @@ begin
           disparity <= disparity xor code(0);
         end if;
       end if;
-      if take = '1' then
+      if (take or cut) = '1' then
         code <= codes(to_integer(unsigned(control & data)));
+      end if;
+      if cut = '1' then
+        passed <= clocks_per_bit - 1;
+        place  <= 9;
       end if;
       if reset = '1' then
         passed    <= 0;

@@ -42,7 +42,10 @@ entity tosnet_node is
     watchdog_bits     : positive               := tosnet_watchdog_bits;
     may_be_master     : boolean                := true;
     most_nodes        : positive range 2 to 15 := 15;
-    channel           : boolean                := true
+    channel           : boolean                := true;
+    check_bytes       : positive range 1 to 2  := 1;
+    exact_hops        : boolean                := false;
+    line_clocks       : natural                := 2 -- of exact_hops: a synchroniser, and what the line itself takes
   );
   port (
     clock     : in  std_ulogic;
@@ -89,11 +92,21 @@ end entity;
 architecture rtl of tosnet_node is
 
   constant hop_clocks : positive := hop_bits * clocks_per_bit;
-  -- What a packet needs through the node beside the wait: three symbols, half a symbol on average until the transmitter
-  -- begins one, and some registers.
-  constant way_clocks  : positive := 27 * clocks_per_bit + 5;
-  -- The least wait: the first byte must be there, and two more, because the clocks of two nodes differ.
-  constant least_wait  : positive := 20 * clocks_per_bit + 9;
+  function way return positive is
+    constant middle : natural := (clocks_per_bit * samples_per_clock - 1) / 2 / samples_per_clock; -- tosnet_line_in
+  begin
+    if exact_hops then
+      return 9 * clocks_per_bit + middle + 6 + line_clocks;
+    end if;
+    return 27 * clocks_per_bit + 5;
+  end function;
+
+  -- What a packet needs through the node beside the wait. It is the symbol K28.5, two symbols of the transmitter, half a
+  -- symbol on average until it begins one, and some registers. With exact_hops, the transmitter does not wait.
+  constant way_clocks  : positive := way;
+  -- The least wait: the first byte must be there, and two more, because the clocks of two nodes differ. Behind it are
+  -- as many as the checksum has.
+  constant least_wait  : positive := 10 * (1 + check_bytes) * clocks_per_bit + 9;
   constant wait_clocks : positive := maximum(hop_clocks - way_clocks, 1);
 
   signal symbol_valid, control, wrong, line_lost : std_ulogic;
@@ -109,7 +122,7 @@ architecture rtl of tosnet_node is
   signal out_valid, out_ready      : std_ulogic;
   signal go                        : std_ulogic;
   signal held_clocks               : natural range 0 to wait_clocks;
-  signal take, out_control         : std_ulogic;
+  signal take, cut, out_control    : std_ulogic;
   signal out_data                  : byte_t;
 
   signal begins, restart, flush, was_lost, silence, foreign, way_changed : std_ulogic;
@@ -147,6 +160,7 @@ begin
       symbol_valid => symbol_valid, data => symbol_data, control => control, wrong => wrong, lost => line_lost);
 
   packets : entity work.tosnet_packet_in
+    generic map (check_bytes => check_bytes)
     port map (
       clock => clock, reset => reset, symbol_valid => symbol_valid, symbol_data => symbol_data, control => control,
       wrong => wrong, start => start, valid => valid, data => data, done => done, good => good);
@@ -290,13 +304,16 @@ begin
   go <= '1' when held_clocks = 0 else '0';
 
   sender : entity work.tosnet_packet_out
+    generic map (check_bytes => check_bytes, exact_start => exact_hops)
     port map (
       clock => clock, reset => flush, go => go, item_valid => out_valid, item_ready => out_ready,
-      item_data => out_item, busy => open, take => take, data => out_data, control => out_control);
+      item_data => out_item, busy => open, take => take, cut => cut, data => out_data,
+      control => out_control);
 
   transmitter : entity work.tosnet_line_out
     generic map (clocks_per_bit => clocks_per_bit)
     port map (
-      clock => clock, reset => reset, take => take, data => out_data, control => out_control, line => line_out);
+      clock => clock, reset => reset, take => take, data => out_data, control => out_control, cut => cut,
+      line => line_out);
 
 end architecture;

@@ -6,10 +6,11 @@
 --           Each is high for one clock, and two of them at once only if a packet begins inside of another: then `done`
 --           belongs to the earlier one.
 -- Judgement `good` is meant with `done`. A packet is good if its checksum fits and K28.1 follows it. It is not if a
---           symbol does not exist, if K28.5 comes in its middle, or if it is shorter than two bytes.
+--           symbol does not exist, if K28.5 comes in its middle, or if it has no byte before the checksum.
 -- Use       Bytes come before they are judged. So use them for good only after a good `done`.
--- Latency   A byte is given when the next symbol has come, because only then it is known that it is no checksum:
---           one symbol and one clock.
+-- Checksum  Of check_bytes: 1 is the published one, 2 is wider (tosnet_code_pkg).
+-- Latency   A byte is given when check_bytes more symbols have come, because only then it is known that it is no
+--           checksum. That is check_bytes symbols and one clock.
 -- Reset     Waits for K28.5.
 
 library ieee;
@@ -21,6 +22,9 @@ library ieee;
   use work.tosnet_wire_pkg.all;
 
 entity tosnet_packet_in is
+  generic (
+    check_bytes : positive range 1 to 2 := 1
+  );
   port (
     clock        : in  std_ulogic;
     reset        : in  std_ulogic; -- synchronous
@@ -38,13 +42,15 @@ end entity;
 
 architecture rtl of tosnet_packet_in is
 
-  type state_t is (between, seed, first, more);
+  type state_t is (between, seed, bytes);
+  type held_t is array (1 to check_bytes) of byte_t; -- the last bytes, or the checksum; the oldest is the last one
 
   signal state    : state_t;
   signal scramble : byte_t;
-  signal held     : byte_t := x"00"; -- a byte, or the checksum
-  signal sum      : byte_t;
-  signal enough   : std_ulogic; -- there was a byte before the held one
+  signal held     : held_t := (others => x"00");
+  signal count    : natural range 0 to check_bytes; -- of what is held
+  signal sum      : std_ulogic_vector(8 * check_bytes - 1 downto 0);
+  signal enough   : std_ulogic; -- there was a byte before the held ones
 
 begin
 
@@ -59,7 +65,7 @@ begin
       if symbol_valid = '1' then
         if wrong = '1' or control = '1' then
           done  <= to_bit(state /= between);
-          good  <= not wrong and not symbol_data(7) and enough and to_bit(state = more and sum = x"00");
+          good  <= not wrong and not symbol_data(7) and enough and to_bit(state = bytes and unsigned(sum) = 0);
           state <= between;
           if wrong = '0' and symbol_data(7) = '1' then -- K28.5
             start <= '1';
@@ -67,17 +73,23 @@ begin
           end if;
         elsif state = seed then
           scramble <= symbol_data;
-          sum      <= x"00";
+          sum      <= (others => '0');
           enough   <= '0';
-          state    <= first;
+          count    <= 0;
+          state    <= bytes;
         elsif state /= between then
           scramble <= next_scramble(scramble);
           sum      <= next_sum(sum, plain);
-          held     <= plain;
-          data     <= held;
-          valid    <= to_bit(state = more);
-          enough   <= to_bit(state = more);
-          state    <= more;
+          held(1)  <= plain;
+          for place in 2 to check_bytes loop
+            held(place) <= held(place - 1);
+          end loop;
+          data   <= held(check_bytes);
+          valid  <= to_bit(count = check_bytes);
+          enough <= to_bit(count = check_bytes);
+          if count < check_bytes then
+            count <= count + 1;
+          end if;
         end if;
       end if;
       if reset = '1' then

@@ -20,6 +20,8 @@ package tosnet_wire_pkg is
   constant tosnet_wire_first_seed_c : natural := 85;
   constant tosnet_wire_crc_polynomial_c : natural := 101;
   constant tosnet_wire_crc_check_c : natural := 223;
+  constant tosnet_wire_wide_crc_polynomial_c : natural := 4129;
+  constant tosnet_wire_wide_crc_check_c : natural := 12739;
   constant tosnet_wire_master_discovery_c : natural := 2;
   constant tosnet_wire_master_set_c : natural := 3;
   constant tosnet_wire_network_discovery_c : natural := 4;
