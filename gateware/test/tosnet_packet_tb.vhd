@@ -15,6 +15,8 @@ entity tosnet_packet_tb is
   generic (
     symbol_clocks : positive := 10; -- from one symbol to the next
     packets       : positive := 120;
+    check_bytes   : positive := 1;
+    exact_start   : boolean  := false;
     longest       : positive := 300;
     seed          : positive := 1
   );
@@ -57,7 +59,7 @@ architecture test of tosnet_packet_tb is
           plans(number).length := maximum(plans(number).length, 2);
           plans(number).place  := random.integer_between(1, plans(number).length - 1);
         when damaged | cut_off =>
-          plans(number).place  := random.integer_between(1, plans(number).length + 2);
+          plans(number).place  := random.integer_between(1, plans(number).length + 1 + check_bytes);
         when empty =>
           plans(number).length := 0;
           plans(number).place  := 0;
@@ -98,11 +100,21 @@ architecture test of tosnet_packet_tb is
     return result;
   end function;
 
-  -- Division by x^8 + x^6 + x^5 + x^2 + 1, one bit after the other.
-  function divided (rest : byte_t; data : byte_t) return byte_t is
-    variable result : byte_t := rest;
+  subtype sum_t is std_ulogic_vector(8 * check_bytes - 1 downto 0);
+
+  -- Division by x^8 + x^6 + x^5 + x^2 + 1, or by x^16 + x^12 + x^5 + 1, one bit after the other.
+  function divided (rest : sum_t; data : byte_t) return sum_t is
+    variable result : sum_t := rest;
     variable top    : std_ulogic;
   begin
+    if check_bytes = 2 then
+      for number in 7 downto 0 loop
+        top    := result(result'high) xor data(number);
+        result := result(result'high - 1 downto 12) & (result(11) xor top) & result(10 downto 5)
+                  & (result(4) xor top) & result(3 downto 0) & top;
+      end loop;
+      return result;
+    end if;
     for number in 7 downto 0 loop
       top    := result(7) xor data(number);
       result := result(6) & (result(5) xor top) & (result(4) xor top) & result(3) & result(2)
@@ -120,6 +132,7 @@ architecture test of tosnet_packet_tb is
   signal item_data  : std_ulogic_vector(8 downto 0) := (others => '0');
   signal busy       : std_ulogic;
   signal take       : std_ulogic := '0';
+  signal cut        : std_ulogic;
   signal data       : byte_t;
   signal control    : std_ulogic;
 
@@ -137,11 +150,13 @@ begin
   clock <= not clock after 10 ns when not done_all;
 
   sender : entity work.tosnet_packet_out
+    generic map (check_bytes => check_bytes, exact_start => exact_start)
     port map (
       clock => clock, reset => reset, go => go, item_valid => item_valid, item_ready => item_ready,
-      item_data => item_data, busy => busy, take => take, data => data, control => control);
+      item_data => item_data, busy => busy, take => take, cut => cut, data => data, control => control);
 
   receiver : entity work.tosnet_packet_in
+    generic map (check_bytes => check_bytes)
     port map (
       clock => clock, reset => reset, symbol_valid => symbol_valid, symbol_data => symbol_data,
       control => is_control, wrong => wrong, start => start, valid => valid, data => data_out, done => done,
@@ -194,7 +209,7 @@ begin
   -- Between the two: it checks each symbol, and does what is planned with it.
   between : process is
     variable scramble : byte_t  := x"55";
-    variable sum      : byte_t  := x"00";
+    variable sum      : sum_t;
     variable number   : natural := 0;
     variable place    : natural := 0; -- of the symbol in its packet
     variable idles    : natural := 0;
@@ -202,16 +217,24 @@ begin
     variable dead     : boolean := false;
     variable expected : byte_t;
     variable is_bad   : boolean;
+    variable at_once  : natural := 0; -- clocks for which a packet could begin
   begin
     wait until rising_edge(clock);
     symbol_valid <= '0';
-    if reset = '0' and take = '1' then
+    if not exact_start or cut = '1' or busy = '1' or idles < 3 or go = '0' or item_valid = '0' then
+      at_once := 0;
+    else
+      at_once := at_once + 1;
+    end if;
+    check(at_once < 2, "a packet does not begin at once");
+    check(cut = '0' or exact_start, "a symbol is cut");
+    if reset = '0' and (take = '1' or cut = '1') then
       wrong       <= '0';
       is_control  <= control;
       symbol_data <= data;
       if control = '1' and data = x"3C" then
         scramble := stepped(scramble);
-        check(place = 0 or place = last + 3, "the end of a packet");
+        check(place = 0 or place = last + 2 + check_bytes, "the end of a packet");
         if place > 0 then
           number := number + 1;
         end if;
@@ -220,6 +243,8 @@ begin
       elsif control = '1' then
         check_equal(data, x"BC", "the begin of a packet");
         check(idles > 0, "no idle symbol before a packet");
+        check(cut = to_bit(exact_start), "a packet begins with a symbol of its own");
+        check(cut = '0' or idles > 2, "the idle symbol before a packet may not have been on the line");
         check(number <= packets, "more packets than planned");
         last := plans(number).length;
         if plans(number).kind = dry then
@@ -230,7 +255,7 @@ begin
         dead  := false;
       elsif place = 1 then
         check_equal(data, scramble, "the seed");
-        sum      := x"00";
+        sum      := (others => '0');
         place    := 2;
       else
         expected := data xor scramble;
@@ -239,13 +264,14 @@ begin
         if place < last + 2 then
           check_equal(expected, byte_at(number, place - 2), "a byte on the line");
           sum := divided(sum, expected);
-        elsif is_bad then
-          check_equal(expected, not sum, "a poisoned checksum");
         else
-          check_equal(expected, sum, "the checksum");
-        end if;
-        if number = 0 and place = last + 2 then
-          check_equal(expected, x"DF", "the checksum of 123456789");
+          check_equal(expected xor (7 downto 0 => to_bit(is_bad)), sum(sum'high downto sum'high - 7), "the checksum");
+          if number = 0 and place = last + 2 and check_bytes = 1 then
+            check_equal(sum, x"DF", "the checksum of 123456789");
+          elsif number = 0 and place = last + 2 then
+            check_equal(sum, x"31C3", "the checksum of 123456789");
+          end if;
+          sum := sum_t(shift_left(unsigned(sum), 8));
         end if;
         place := place + 1;
       end if;
@@ -271,7 +297,7 @@ begin
       whole := plans(number).length;
       case plans(number).kind is
         when dry              => whole := plans(number).place;
-        when damaged | cut_off => whole := maximum(plans(number).place, 3) - 3;
+        when damaged | cut_off => whole := maximum(plans(number).place - 2 - check_bytes, 0);
         when others           => null;
       end case;
       check_equal(index, whole, "the number of bytes");

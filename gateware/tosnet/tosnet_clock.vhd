@@ -114,6 +114,7 @@ begin
       if reset = '1' then
         time_now <= (others => '0');
         passed   <= 0;
+        fits     <= '0';
       end if;
     end if;
   end process;

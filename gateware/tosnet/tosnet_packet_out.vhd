@@ -84,13 +84,13 @@ begin
         state <= between;
       end if;
       if take = '1' then
+        if rested < rest_symbols then
+          rested <= rested + 1;
+        end if;
         case state is
           when between =>
             if not exact_start and item_valid = '1' and go = '1' then
               state <= begin_symbol;
-            end if;
-            if rested < rest_symbols then
-              rested <= rested + 1;
             end if;
           when begin_symbol =>
             state <= seed_symbol;
@@ -110,7 +110,8 @@ begin
               state <= between;
             end if;
           when check =>
-            state <= drop when dropped = '1' else between;
+            state  <= drop when dropped = '1' else between;
+            rested <= 0;
           when drop =>
             null;
         end case;
