@@ -7,6 +7,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.bench_pkg.all;
+  use work.bit_pkg.all;
   use work.protocol_pkg.all;
   use work.register_pkg.all;
   use work.tosnet_pkg.all;
@@ -20,6 +21,9 @@ entity tosnet_bridge_tb is
     slaves             : positive range 2 to 14 := 2;
     max_skipped_writes : natural  := 0;
     rounds             : positive := 5;
+    watchdog_bits      : positive := 8000;
+    rings              : positive range 1 to 2 := 1; -- the second one goes round the other way
+    check_bytes        : positive := 1;
     seed               : positive := 1
   );
 end entity;
@@ -28,8 +32,8 @@ architecture test of tosnet_bridge_tb is
 
   constant clock_period  : time     := 20 ns;
   constant bit_time      : time     := 4 * clock_period;
-  constant watchdog_bits : positive := 8000;
-  constant cycle_time    : time     := (10 * (18 + 32 * slaves) + tosnet_ring_hop_bits_c * (slaves + 1)) * bit_time;
+  constant hop_time      : time     := tosnet_ring_hop_bits_c * bit_time;
+  constant cycle_time    : time     := (10 * (17 + check_bytes + 32 * slaves) + tosnet_ring_hop_bits_c * (slaves + 1)) * bit_time;
 
   -- The words 0 to 3 of register 0 of each slave.
   function words_of (direction : natural) return tosnet_address_vector_t is
@@ -41,6 +45,8 @@ architecture test of tosnet_bridge_tb is
     return result;
   end function;
 
+  type lines_t is array (natural range <>) of std_ulogic_vector(0 to slaves);
+
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
   signal done  : boolean := false;
@@ -48,31 +54,62 @@ architecture test of tosnet_bridge_tb is
   signal s2m   : wishbone_s2m_t;
   signal cycle, committed, halted, online : std_ulogic;
   signal trouble : trouble_t;
-  signal lines   : std_ulogic_vector(0 to slaves);     -- of the bridge and the slaves, as they leave the node
-  signal cut     : std_ulogic := '0';                  -- the bridge hears nothing
+  signal lines   : lines_t(0 to rings - 1);            -- of the bridge and the slaves, as they leave the node
+  signal entries : lines_t(0 to rings - 1);            -- as they come to it
+  signal cut     : lines_t(0 to rings - 1) := (others => (others => '0'));
   signal absent  : std_ulogic := '0';                  -- the last slave is not in the ring
-  signal last_line, bridge_line : std_ulogic;
-  signal entry   : std_ulogic_vector(0 downto 0);
+  signal last_line, second_line, second_running : std_ulogic;
+  signal entry   : std_ulogic_vector(rings - 1 downto 0);
+  signal watch   : std_ulogic := '0';
+  signal longest_gap : time := 0 ns;
   signal slave_reset, slave_running : std_ulogic_vector(1 to slaves);
 
 begin
 
   clock <= not clock after clock_period / 2 when not done;
 
-  last_line   <= lines(slaves - 1) when absent = '1' else lines(slaves);
-  bridge_line <= last_line and not cut;
+  last_line <= lines(0)(slaves - 1) when absent = '1' else lines(0)(slaves);
 
-  input : entity work.synchroniser
-    port map (clock => clock, asynchronous(0) => bridge_line, levels => entry);
+  -- The first ring goes from the bridge to slave 1, the second one to the last slave.
+  way : for place in 0 to slaves generate
+    entries(0)(place) <= (last_line and not cut(0)(place)) when place = 0 else
+                         (lines(0)(maximum(place, 1) - 1) and not cut(0)(place));
+    back : if rings = 2 generate
+      entries(1)(place) <= lines(1)((place + 1) mod (slaves + 1)) and not cut(1)(place);
+    end generate;
+  end generate;
+
+  input : for ring in 0 to rings - 1 generate
+    synchronised : entity work.synchroniser
+      port map (clock => clock, asynchronous(0) => entries(ring)(0), levels(0) => entry(ring));
+  end generate;
 
   dut : entity work.tosnet_bridge
     generic map (
       write_addresses => words_of(1), read_addresses => words_of(0), max_skipped_writes => max_skipped_writes,
-      watchdog_bits => watchdog_bits)
+      watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes, exact_hops => rings = 2)
     port map (
-      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, line_in => entry,
-      line_out => lines(0), cycle => cycle, committed => committed, halted => halted, online => online,
-      trouble => trouble);
+      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, line_in => entry(0 downto 0),
+      line_out => lines(0)(0), cycle => cycle, committed => committed, halted => halted, online => online,
+      trouble => trouble, time_valid => open, time_bits => open, second_line_in => entry(rings - 1 downto rings - 1),
+      second_line_out => second_line, second_running => second_running, second_trouble => open);
+
+  second : if rings = 2 generate
+    lines(1)(0) <= second_line;
+  end generate;
+
+  -- The longest time from one cycle to the next.
+  watch_gaps : process is
+    variable last : time := 0 ns;
+  begin
+    wait until rising_edge(cycle) or watch'event;
+    if watch = '1' and cycle = '1' and last > 0 ns then
+      longest_gap <= maximum(longest_gap, now - last);
+    elsif watch = '0' then
+      longest_gap <= 0 ns;
+    end if;
+    last := now when cycle = '1' and watch = '1' else 0 ns when watch = '0' else last;
+  end process;
 
   monitor : entity work.wishbone_monitor
     port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
@@ -83,62 +120,64 @@ begin
     constant own_writes : tosnet_address_vector_t(0 to 3) := words_of(0)(4 * slave - 4 to 4 * slave - 1);
 
     signal own_clock : std_ulogic := '0';
-    signal own_entry : std_ulogic_vector(0 downto 0);
-    signal strobe, strobe_fresh, received_valid   : std_ulogic;
-    signal received_address, send_address         : std_ulogic_vector(9 downto 0);
-    signal received_word, send_word               : std_ulogic_vector(31 downto 0);
-    signal inputs, outputs                        : word_vector_t(0 to 3);
-    signal strobes                                : unsigned(31 downto 0) := (others => '0');
+    signal own_entry : std_ulogic_vector(rings - 1 downto 0);
+    signal own_exit  : std_ulogic_vector(rings - 1 downto 0);
+    signal inputs, outputs    : word_vector_t(0 to 3);
+    signal strobe             : std_ulogic;
+    signal strobes            : unsigned(31 downto 0) := (others => '0');
     signal from_valid, from_ready, to_valid, to_ready : std_ulogic;
-    signal from_word, to_word                     : std_ulogic_vector(37 downto 0);
+    signal from_word, to_word : std_ulogic_vector(37 downto 0);
 
   begin
 
     own_clock          <= not own_clock after clock_period / 2 + slave * 1 ps when not done;
     slave_reset(slave) <= reset when slave < slaves else reset or absent;
 
-    own_input : entity work.synchroniser
-      port map (clock => own_clock, asynchronous(0) => lines(slave - 1), levels => own_entry);
+    own_input : for ring in 0 to rings - 1 generate
+      entry : entity work.synchroniser
+        port map (clock => own_clock, asynchronous(0) => entries(ring)(slave), levels(0) => own_entry(ring));
+      lines(ring)(slave) <= own_exit(ring);
+    end generate;
 
     whole : if slave < slaves generate
-      node : entity work.tosnet_node
-        generic map (may_be_master => false, most_nodes => slaves + 1, watchdog_bits => watchdog_bits)
+      node : entity work.tosnet_rings
+        generic map (
+          id => slave + 1, read_addresses => own_reads, write_addresses => own_writes, may_be_master => false,
+          most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
+          exact_hops => rings = 2)
         port map (
-          clock => own_clock, reset => slave_reset(slave), line_in => own_entry, line_out => lines(slave),
-          id => std_ulogic_vector(to_unsigned(slave + 1, 4)), registers => x"01",
-          running => slave_running(slave), is_master => open, own_address => open, nodes => open, trouble => open,
-          restarted => open, damaged => open, strobe => strobe, strobe_fresh => strobe_fresh,
-          received_valid => received_valid, received_address => received_address, received_word => received_word,
-          send_address => send_address, send_word => send_word, table_entry => open, table_mask => open,
+          clock => own_clock, reset => slave_reset(slave), line_in => own_entry, line_out => own_exit,
+          running => slave_running(slave), rings_running => open, is_master => open, own_address => open,
+          nodes => open, troubles => open, damaged => open, strobe => strobe, exchange => open, missing => open,
+          read_words => inputs, write_words => outputs, time_valid => open, time_bits => open, table_entry => open,
+          table_mask => open,
           to_ring_valid => to_valid, to_ring_ready => to_ready, to_ring_data => to_word(31 downto 0),
           to_ring_last => to_word(37 downto 36), to_ring_id => to_word(35 downto 32),
           from_ring_valid => from_valid, from_ring_ready => from_ready, from_ring_data => from_word(31 downto 0),
-          from_ring_last => from_word(37 downto 36), from_ring_id => from_word(35 downto 32), message_lost => open);
+          from_ring_last => from_word(37 downto 36), from_ring_id => from_word(35 downto 32));
 
       echo : entity work.fifo
         generic map (width => 38, depth => 4)
         port map (
           clock => own_clock, reset => slave_reset(slave), write_valid => from_valid, write_ready => from_ready,
           write_data => from_word, read_valid => to_valid, read_ready => to_ready, read_data => to_word);
-
-      words : entity work.tosnet_words
-        generic map (read_addresses => own_reads, write_addresses => own_writes)
-        port map (
-          clock => own_clock, reset => slave_reset(slave), running => slave_running(slave), strobe => strobe,
-          strobe_fresh => strobe_fresh, received_valid => received_valid, received_address => received_address,
-          received_word => received_word, send_address => send_address, send_word => send_word, exchange => open,
-          missing => open, read_words => inputs, write_words => outputs);
     end generate;
 
     small : if slave = slaves generate
+      signal second_in, second_out : std_ulogic_vector(0 downto 0);
+    begin
       node : entity work.tosnet_slave_node
         generic map (
           id => slave + 1, registers => x"01", read_addresses => own_reads, write_addresses => own_writes,
-          most_nodes => slaves + 1, watchdog_bits => watchdog_bits)
+          most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
+          exact_hops => rings = 2)
         port map (
-          clock => own_clock, reset => slave_reset(slave), line_in => own_entry, line_out => lines(slave),
+          clock => own_clock, reset => slave_reset(slave), line_in => own_entry(0 downto 0), line_out => own_exit(0),
           running => slave_running(slave), strobe => strobe, exchange => open, trouble => open, read_words => inputs,
-          write_words => outputs);
+          write_words => outputs, time_valid => open, time_bits => open, second_line_in => second_in,
+          second_line_out => second_out(0), second_running => open, second_trouble => open);
+      second_in                      <= own_entry(rings - 1 downto rings - 1);
+      own_exit(rings - 1 downto 1)   <= second_out(rings - 2 downto 0);
     end generate;
 
     outputs(0) <= inputs(0);
@@ -235,6 +274,7 @@ begin
     end procedure;
 
     variable before : natural;
+    variable place  : natural range 0 to slaves;
 
   begin
     random.seed(seed);
@@ -277,21 +317,50 @@ begin
       check_equal(word, x"A5C30000", "a message that came back");
     end loop;
 
+    -- A cut of one of two rings costs no cycle, nor does its mending.
+    if rings = 2 then
+      for ring in 0 to 1 loop
+        place := random.integer_between(0, slaves);
+        wait for random.integer_between(0, 1000) * cycle_time / 1000;
+        watch <= '1';
+        cut(ring)(place) <= '1';
+        wait for 4 * cycle_time + watchdog_bits * bit_time;
+        check_equal(online, '1', "online with one ring");
+        check((and slave_running) = '1', "a slave does not run with one ring");
+        check_equal(second_running, to_bit(ring = 0), "whether the second ring runs");
+        wait until rising_edge(clock);
+        round(10 * (rounds + 1 + ring));
+        cut(ring)(place) <= '0';
+        wait for 1 ms + watchdog_bits * bit_time;
+        check_equal(second_running, '1', "the second ring is there again");
+        check(longest_gap <= cycle_time + 2 * hop_time + bit_time, "a cycle is lost: " & time'image(longest_gap));
+        report "tosnet_bridge_tb: cycles of " & time'image(cycle_time) & ", and of " & time'image(longest_gap)
+               & " at a cut";
+        watch <= '0';
+      end loop;
+      wait until rising_edge(clock);
+    end if;
+
     -- A cut.
     read(tosnet_reset_counter_c);
     before := to_integer(unsigned(word));
-    cut    <= '1';
+    cut    <= (others => (0 => '1', others => '0'));
     await_online('0', 2 * cycle_time + watchdog_bits * bit_time, "a cut is not noticed");
     check_equal(trouble, trouble_line, "why the ring stopped");
     wait for 4 * cycle_time + watchdog_bits * bit_time;
     check((or slave_running) = '0', "a slave runs in a ring that is cut");
-    cut <= '0';
+    cut <= (others => (others => '0'));
     await_online('1', 10 ms, "the ring does not start again");
     read(tosnet_reset_counter_c);
     check_equal(to_integer(unsigned(word)), before + 1, "starts of the network");
-    round(10 * (rounds + 1));
+    round(10 * (rounds + 2 * rings - 1));
 
     -- A ring without its last node.
+    if rings = 2 then
+      report_passed("tosnet_bridge_tb");
+      done <= true;
+      wait;
+    end if;
     absent <= '1';
     wait for 2 * cycle_time + watchdog_bits * bit_time;
     await_online('0', 1 us, "an absent node is not noticed");
@@ -304,7 +373,7 @@ begin
     await_online('1', 10 ms, "the ring does not start with its node again");
     wait for 3 * cycle_time; -- its words are zero until it has got those that were committed
     wait until rising_edge(clock);
-    round(10 * (rounds + 2));
+    round(10 * (rounds + 2 * rings));
 
     report_passed("tosnet_bridge_tb");
     done <= true;

@@ -2,12 +2,14 @@
 --
 -- The PC's node of a TosNet ring: tosnet_slave's memory map on the Wishbone bus, and the ring behind it.
 --
---   Wishbone --> tosnet_slave <-- tosnet_words --> tosnet_node <--> line
+--   Wishbone --> tosnet_slave <--> tosnet_rings <--> line
 --
 -- Map       As in tosnet_slave. The network registers, the status and the counters are those of the ring.
 -- Online    The ring runs, this node is its master, and every word of read_addresses comes. The status says which of
 --           the first two is not so, and the network registers say which node or register is absent. While it is low,
 --           nothing is exchanged and commits wait.
+-- Rings     One, or two for redundancy (tosnet_rings): then the ports second_... are those of the second one, and one
+--           ring that runs is enough to be online. A cycle that is damaged in either is counted.
 -- Cycle     `cycle` is high for one clock in each cycle of the ring whose words are good. So an event group on it
 --           publishes the words of all nodes of one cycle.
 -- Latency   A commit takes effect at the next strobe, and all nodes have its words at the strobe after it. A word of a
@@ -37,7 +39,12 @@ entity tosnet_bridge is
     clocks_per_bit     : positive                      := 4; -- tosnet_node
     samples_per_clock  : positive                      := 1;
     hop_bits           : positive                      := tosnet_ring_hop_bits_c;
-    watchdog_bits      : positive                      := tosnet_watchdog_bits
+    watchdog_bits      : positive                      := tosnet_watchdog_bits;
+    check_bytes        : positive range 1 to 2         := 1;
+    exact_hops         : boolean                       := false;
+    line_clocks        : natural                       := 2;
+    rings              : positive range 1 to 2         := 1;   -- tosnet_rings
+    time_address       : natural range 0 to 1024       := 1024
   );
   port (
     clock        : in  std_ulogic;
@@ -51,18 +58,27 @@ entity tosnet_bridge is
     committed : out std_ulogic;
     halted    : out std_ulogic;
     online    : out std_ulogic;
-    trouble   : out trouble_t
+    trouble   : out trouble_t;
+
+    time_valid : out std_ulogic; -- tosnet_clock
+    time_bits  : out unsigned(31 downto 0);
+
+    second_line_in  : in  std_ulogic_vector(samples_per_clock - 1 downto 0) := (others => '0');
+    second_line_out : out std_ulogic;
+    second_running  : out std_ulogic;
+    second_trouble  : out trouble_t
   );
 end entity;
 
 architecture rtl of tosnet_bridge is
 
-  signal running, is_master, damaged, strobe, strobe_fresh, exchange, missing : std_ulogic;
+  signal running, is_master, damaged, exchange, missing : std_ulogic;
   signal own_address, nodes, table_index : unsigned(3 downto 0);
   signal table_entry, table_mask         : std_ulogic_vector(7 downto 0);
-  signal received_valid                  : std_ulogic;
-  signal received_address, send_address  : std_ulogic_vector(9 downto 0);
-  signal received_word, send_word        : std_ulogic_vector(31 downto 0);
+  signal entries      : std_ulogic_vector(rings * samples_per_clock - 1 downto 0);
+  signal exits        : std_ulogic_vector(rings - 1 downto 0);
+  signal each_running : std_ulogic_vector(rings - 1 downto 0);
+  signal each_trouble : trouble_vector_t(0 to rings - 1);
   signal write_words : word_vector_t(0 to write_addresses'length - 1);
   signal read_words  : word_vector_t(0 to read_addresses'length - 1);
   signal to_valid, to_ready, from_valid, from_ready : std_ulogic;
@@ -89,28 +105,38 @@ begin
       to_node_id => to_id, from_node_valid => from_valid, from_node_ready => from_ready, from_node_data => from_data,
       from_node_last => from_last, from_node_id => from_id);
 
-  words : entity work.tosnet_words
-    generic map (read_addresses => read_addresses, write_addresses => write_addresses)
-    port map (
-      clock => clock, reset => reset, running => running, strobe => strobe, strobe_fresh => strobe_fresh,
-      received_valid => received_valid, received_address => received_address, received_word => received_word,
-      send_address => send_address, send_word => send_word, exchange => exchange, missing => missing,
-      read_words => read_words, write_words => write_words);
-
-  node : entity work.tosnet_node
+  behind : entity work.tosnet_rings
     generic map (
+      id => master_id, registers => master_registers, read_addresses => read_addresses,
+      write_addresses => write_addresses, rings => rings, time_address => time_address, most_nodes => most_nodes,
       clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
-      watchdog_bits => watchdog_bits, most_nodes => most_nodes, channel => async_depth > 0)
+      watchdog_bits => watchdog_bits, channel => async_depth > 0, check_bytes => check_bytes,
+      exact_hops => exact_hops, line_clocks => line_clocks)
     port map (
-      clock => clock, reset => reset, line_in => line_in, line_out => line_out,
-      id => std_ulogic_vector(to_unsigned(master_id, 4)), registers => master_registers,
-      running => running, is_master => is_master, own_address => own_address, nodes => nodes, trouble => trouble,
-      restarted => open, damaged => damaged, strobe => strobe, strobe_fresh => strobe_fresh,
-      received_valid => received_valid, received_address => received_address, received_word => received_word,
-      send_address => send_address, send_word => send_word,
+      clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
+      rings_running => each_running, is_master => is_master, own_address => own_address, nodes => nodes,
+      troubles => each_trouble, damaged => damaged, strobe => open, exchange => exchange, missing => missing,
+      read_words => read_words, write_words => write_words, time_valid => time_valid, time_bits => time_bits,
       table_index => table_index, table_entry => table_entry, table_mask => table_mask,
       to_ring_valid => to_valid, to_ring_ready => to_ready, to_ring_data => to_data, to_ring_last => to_last,
       to_ring_id => to_id, from_ring_valid => from_valid, from_ring_ready => from_ready, from_ring_data => from_data,
-      from_ring_last => from_last, from_ring_id => from_id, message_lost => open);
+      from_ring_last => from_last, from_ring_id => from_id);
+
+  entries(samples_per_clock - 1 downto 0) <= line_in;
+  line_out                                <= exits(0);
+  trouble                                 <= each_trouble(0);
+
+  second : if rings = 2 generate
+    entries(2 * samples_per_clock - 1 downto samples_per_clock) <= second_line_in;
+    second_line_out <= exits(1);
+    second_running  <= each_running(1);
+    second_trouble  <= each_trouble(1);
+  end generate;
+
+  no_second : if rings = 1 generate
+    second_line_out <= '0';
+    second_running  <= '0';
+    second_trouble  <= trouble_none;
+  end generate;
 
 end architecture;

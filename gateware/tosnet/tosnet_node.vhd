@@ -65,6 +65,12 @@ entity tosnet_node is
     strobe       : out std_ulogic;
     strobe_fresh : out std_ulogic;
 
+    -- Of the master, for two rings in step (tosnet_timing).
+    hold    : in  std_ulogic := '0';
+    give_up : in  std_ulogic := '0';
+    due     : out std_ulogic;
+    sends   : out std_ulogic;
+
     received_valid   : out std_ulogic;
     received_address : out std_ulogic_vector(9 downto 0);
     received_word    : out std_ulogic_vector(31 downto 0);
@@ -198,9 +204,11 @@ begin
     port map (
       clock => clock, reset => reset, running => running, begins => begins, is_master => is_master,
       own_address => own_address, nodes => nodes, good_packet => good_packet, packet_done => packet_done,
-      fresh => fresh, sent => sent, strobe => strobe, strobe_fresh => strobe_fresh, send => send, lost => lost,
+      fresh => fresh, sent => sent, hold => hold, give_up => give_up, due => due, strobe => strobe,
+      strobe_fresh => strobe_fresh, send => send, lost => lost,
       way_changed => way_changed, silence => silence);
 
+  sends       <= send;
   good_packet <= done and good;
   damaged     <= (packet_done and not fresh) or broken or lost;
   restart     <= silence or foreign or way_changed or (line_lost and not was_lost);
@@ -285,7 +293,7 @@ begin
       clock => clock, reset => flush, write_valid => put_valid, write_ready => put_ready, write_data => put_item,
       read_valid => out_valid, read_ready => out_ready, read_data => out_item);
 
-  hold : process (clock) is
+  wait_a_hop : process (clock) is
   begin
     if rising_edge(clock) then
       was_lost <= line_lost;

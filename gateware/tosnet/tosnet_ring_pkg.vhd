@@ -34,6 +34,23 @@ package tosnet_ring_pkg is
   constant trouble_foreign    : trouble_t := x"9"; -- a DATA packet is of another ring
   constant trouble_way        : trouble_t := x"A"; -- a packet came back earlier or later than the one before
 
+  type trouble_vector_t is array (natural range <>) of trouble_t;
+
+  -- What tosnet_node tells the one who keeps the words, tosnet_words.
+  type from_node_t is record
+    running          : std_ulogic;
+    is_master        : std_ulogic;
+    sends            : std_ulogic;
+    strobe           : std_ulogic;
+    strobe_fresh     : std_ulogic;
+    received_valid   : std_ulogic;
+    received_address : std_ulogic_vector(9 downto 0);
+    received_word    : std_ulogic_vector(31 downto 0);
+    send_address     : std_ulogic_vector(9 downto 0);
+  end record;
+
+  type from_node_vector_t is array (natural range <>) of from_node_t;
+
   -- A byte of two halves: a command or the kind of a slot, and what it is about.
   function halves (high : natural range 0 to 15; low : std_ulogic_vector(3 downto 0)) return byte_t;
 

@@ -2,12 +2,13 @@
 --
 -- A node of a TosNet ring that is not its master: what a joint, a drive or an I/O box needs.
 --
---   line --> tosnet_node <--> tosnet_words <--> read_words, write_words        tosnet_node --> line
+--   line --> tosnet_rings --> line        tosnet_rings <--> read_words, write_words
 --
 -- Words     read_words are the node's own IN words, or OUT words of others, at read_addresses. write_words are its OUT
 --           words, at write_addresses. docs/gateware/tosnet_words.md tells when they change.
 -- Safe      While `running` is low, no PC commands this node. Then the words of safe_addresses have their safe_values.
 --           The PC's program ends and the ring goes on? Then the PC's dead-man writes them.
+-- Rings     One, or two for redundancy (tosnet_rings): then the ports second_... are those of the second one.
 -- Reset     All words are zero, but for those with a safe value, and the node joins the ring.
 
 library ieee;
@@ -30,51 +31,73 @@ entity tosnet_slave_node is
     clocks_per_bit    : positive                     := 4; -- tosnet_node
     samples_per_clock : positive                     := 1;
     hop_bits          : positive                     := tosnet_ring_hop_bits_c;
-    watchdog_bits     : positive                     := tosnet_watchdog_bits
+    watchdog_bits     : positive                     := tosnet_watchdog_bits;
+    check_bytes       : positive range 1 to 2        := 1;
+    exact_hops        : boolean                      := false;
+    line_clocks       : natural                      := 2;
+    rings             : positive range 1 to 2        := 1;   -- tosnet_rings
+    time_address      : natural range 0 to 1024      := 1024
   );
   port (
     clock       : in  std_ulogic;
     reset       : in  std_ulogic; -- synchronous
     line_in     : in  std_ulogic_vector(samples_per_clock - 1 downto 0); -- of `clock`: from a synchroniser
     line_out    : out std_ulogic;
-    running     : out std_ulogic;
+    running     : out std_ulogic; -- any ring
     strobe      : out std_ulogic;
     exchange    : out std_ulogic; -- read_words are new
     trouble     : out trouble_t;
     read_words  : out word_vector_t(0 to read_addresses'length - 1);
-    write_words : in  word_vector_t(0 to write_addresses'length - 1)
+    write_words : in  word_vector_t(0 to write_addresses'length - 1);
+    time_valid  : out std_ulogic; -- tosnet_clock
+    time_bits   : out unsigned(31 downto 0);
+
+    second_line_in  : in  std_ulogic_vector(samples_per_clock - 1 downto 0) := (others => '0');
+    second_line_out : out std_ulogic;
+    second_running  : out std_ulogic;
+    second_trouble  : out trouble_t
   );
 end entity;
 
 architecture rtl of tosnet_slave_node is
 
-  signal strobe_fresh, received_valid   : std_ulogic;
-  signal received_address, send_address : std_ulogic_vector(9 downto 0);
-  signal received_word, send_word       : std_ulogic_vector(31 downto 0);
+  signal entries       : std_ulogic_vector(rings * samples_per_clock - 1 downto 0);
+  signal exits         : std_ulogic_vector(rings - 1 downto 0);
+  signal each_running  : std_ulogic_vector(rings - 1 downto 0);
+  signal each_trouble  : trouble_vector_t(0 to rings - 1);
 
 begin
 
-  node : entity work.tosnet_node
+  nodes : entity work.tosnet_rings
     generic map (
-      clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
-      watchdog_bits => watchdog_bits, may_be_master => false, most_nodes => most_nodes, channel => false)
+      id => id, registers => registers, read_addresses => read_addresses, write_addresses => write_addresses,
+      safe_addresses => safe_addresses, safe_values => safe_values, rings => rings, time_address => time_address,
+      may_be_master => false, most_nodes => most_nodes, clocks_per_bit => clocks_per_bit,
+      samples_per_clock => samples_per_clock, hop_bits => hop_bits, watchdog_bits => watchdog_bits, channel => false,
+      check_bytes => check_bytes, exact_hops => exact_hops, line_clocks => line_clocks)
     port map (
-      clock => clock, reset => reset, line_in => line_in, line_out => line_out,
-      id => std_ulogic_vector(to_unsigned(id, 4)), registers => registers, running => running, is_master => open,
-      own_address => open, nodes => open, trouble => trouble, restarted => open, damaged => open, strobe => strobe,
-      strobe_fresh => strobe_fresh, received_valid => received_valid, received_address => received_address,
-      received_word => received_word, send_address => send_address, send_word => send_word, table_entry => open,
+      clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
+      rings_running => each_running, is_master => open, own_address => open, nodes => open, troubles => each_trouble,
+      damaged => open, strobe => strobe, exchange => exchange, missing => open, read_words => read_words,
+      write_words => write_words, time_valid => time_valid, time_bits => time_bits, table_entry => open,
       table_mask => open, to_ring_ready => open, from_ring_valid => open, from_ring_data => open,
-      from_ring_last => open, from_ring_id => open, message_lost => open);
+      from_ring_last => open, from_ring_id => open);
 
-  words : entity work.tosnet_words
-    generic map (
-      read_addresses => read_addresses, write_addresses => write_addresses, safe_addresses => safe_addresses,
-      safe_values => safe_values)
-    port map (
-      clock => clock, reset => reset, running => running, strobe => strobe, strobe_fresh => strobe_fresh,
-      received_valid => received_valid, received_address => received_address, received_word => received_word,
-      send_address => send_address, send_word => send_word, exchange => exchange, missing => open,
-      read_words => read_words, write_words => write_words);
+  entries(samples_per_clock - 1 downto 0) <= line_in;
+  line_out                                <= exits(0);
+  trouble                                 <= each_trouble(0);
+
+  second : if rings = 2 generate
+    entries(2 * samples_per_clock - 1 downto samples_per_clock) <= second_line_in;
+    second_line_out <= exits(1);
+    second_running  <= each_running(1);
+    second_trouble  <= each_trouble(1);
+  end generate;
+
+  no_second : if rings = 1 generate
+    second_line_out <= '0';
+    second_running  <= '0';
+    second_trouble  <= trouble_none;
+  end generate;
 
 end architecture;

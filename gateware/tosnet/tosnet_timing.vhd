@@ -6,6 +6,8 @@
 --           node that is still to come, the master not at all. With it, strobe_fresh says that the packet was fresh.
 -- Send      The master sends its first packet pause_clocks after `begins`, and each further one pause_clocks after its
 --           strobe.
+-- Step      While `hold` is high, a packet that is to be sent waits, and `due` is high. `give_up`: a packet that has not
+--           come back is lost now. So the master of two rings sends into both at once (tosnet_rings).
 -- Lost      A packet of the master that has not come back (nodes + 6) hops after it was sent is lost. The master has a
 --           strobe that is not fresh, and goes on. The slaves have none.
 -- Way       The time from the master's packet to its return is the same in each cycle, but for a symbol a hop. If it
@@ -38,10 +40,13 @@ entity tosnet_timing is
     packet_done : in std_ulogic; -- a DATA packet
     fresh       : in std_ulogic;
     sent        : in std_ulogic;
+    hold        : in std_ulogic := '0';
+    give_up     : in std_ulogic := '0';
 
     strobe       : out std_ulogic;
     strobe_fresh : out std_ulogic;
     send         : out std_ulogic;
+    due          : out std_ulogic := '0';
     lost         : out std_ulogic;
     way_changed  : out std_ulogic;
     silence      : out std_ulogic
@@ -123,19 +128,25 @@ begin
         strobe     <= '1';
         next_state := quiet;
       elsif ends and state = to_send then
-        send       <= '1';
+        send       <= not hold;
+        due        <= hold;
         next_state := quiet;
-      elsif ends and state = to_return then
+      elsif (due and not hold) = '1' then
+        send <= '1';
+        due  <= '0';
+      elsif (ends or give_up = '1') and state = to_return then
         lost         <= '1';
         strobe       <= '1';
         strobe_fresh <= '0';
         next_state   := to_send;
         next_hops    := 1;
+        clocks       <= 0;
       end if;
       if running = '0' and begins = '0' then
         next_state := quiet;
         strobe     <= '0';
         send       <= '0';
+        due        <= '0';
       end if;
       state <= next_state;
       hops  <= next_hops;
@@ -152,6 +163,7 @@ begin
         clocks  <= 0;
         strobe  <= '0';
         send    <= '0';
+        due     <= '0';
         lost    <= '0';
         way_changed <= '0';
         way     <= 0;
