@@ -24,6 +24,7 @@ entity tosnet_bridge_tb is
     watchdog_bits      : positive := 8000;
     rings              : positive range 1 to 2 := 1; -- the second one goes round the other way
     check_bytes        : positive := 1;
+    exact              : boolean  := true;
     seed               : positive := 1
   );
 end entity;
@@ -33,7 +34,8 @@ architecture test of tosnet_bridge_tb is
   constant clock_period  : time     := 20 ns;
   constant bit_time      : time     := 4 * clock_period;
   constant hop_time      : time     := tosnet_ring_hop_bits_c * bit_time;
-  constant cycle_time    : time     := (10 * (17 + check_bytes + 32 * slaves) + tosnet_ring_hop_bits_c * (slaves + 1)) * bit_time;
+  constant cycle_time    : time     := (10 * (17 + check_bytes + 32 * slaves)
+                                     + tosnet_ring_hop_bits_c * (slaves + 1)) * bit_time;
 
   -- The words 0 to 3 of register 0 of each slave.
   function words_of (direction : natural) return tosnet_address_vector_t is
@@ -87,7 +89,7 @@ begin
   dut : entity work.tosnet_bridge
     generic map (
       write_addresses => words_of(1), read_addresses => words_of(0), max_skipped_writes => max_skipped_writes,
-      watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes, exact_hops => rings = 2)
+      watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes, exact_hops => rings = 2 and exact)
     port map (
       clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, line_in => entry(0 downto 0),
       line_out => lines(0)(0), cycle => cycle, committed => committed, halted => halted, online => online,
@@ -144,7 +146,7 @@ begin
         generic map (
           id => slave + 1, read_addresses => own_reads, write_addresses => own_writes, may_be_master => false,
           most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
-          exact_hops => rings = 2)
+          exact_hops => rings = 2 and exact)
         port map (
           clock => own_clock, reset => slave_reset(slave), line_in => own_entry, line_out => own_exit,
           running => slave_running(slave), rings_running => open, is_master => open, own_address => open,
@@ -170,7 +172,7 @@ begin
         generic map (
           id => slave + 1, registers => x"01", read_addresses => own_reads, write_addresses => own_writes,
           most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
-          exact_hops => rings = 2)
+          exact_hops => rings = 2 and exact)
         port map (
           clock => own_clock, reset => slave_reset(slave), line_in => own_entry(0 downto 0), line_out => own_exit(0),
           running => slave_running(slave), strobe => strobe, exchange => open, trouble => open, read_words => inputs,
@@ -333,7 +335,7 @@ begin
         cut(ring)(place) <= '0';
         wait for 1 ms + watchdog_bits * bit_time;
         check_equal(second_running, '1', "the second ring is there again");
-        check(longest_gap <= cycle_time + 2 * hop_time + bit_time, "a cycle is lost: " & time'image(longest_gap));
+        check(longest_gap <= cycle_time + 2 * hop_time + 10 * bit_time, "a cycle is lost: " & time'image(longest_gap));
         report "tosnet_bridge_tb: cycles of " & time'image(cycle_time) & ", and of " & time'image(longest_gap)
                & " at a cut";
         watch <= '0';
@@ -344,7 +346,9 @@ begin
     -- A cut.
     read(tosnet_reset_counter_c);
     before := to_integer(unsigned(word));
-    cut    <= (others => (0 => '1', others => '0'));
+    for ring in cut'range loop
+      cut(ring)(0) <= '1';
+    end loop;
     await_online('0', 2 * cycle_time + watchdog_bits * bit_time, "a cut is not noticed");
     check_equal(trouble, trouble_line, "why the ring stopped");
     wait for 4 * cycle_time + watchdog_bits * bit_time;

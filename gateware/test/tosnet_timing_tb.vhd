@@ -27,6 +27,7 @@ architecture test of tosnet_timing_tb is
   signal running, begins, is_master : std_ulogic := '0';
   signal own_address, nodes         : unsigned(3 downto 0) := "0000";
   signal good_packet, packet_done, fresh, sent : std_ulogic := '0';
+  signal hold, give_up, due : std_ulogic := '0';
   signal strobe, strobe_fresh, send, lost, way_changed, silence : std_ulogic;
 
 begin
@@ -38,7 +39,8 @@ begin
     port map (
       clock => clock, reset => reset, running => running, begins => begins, is_master => is_master,
       own_address => own_address, nodes => nodes, good_packet => good_packet, packet_done => packet_done,
-      fresh => fresh, sent => sent, strobe => strobe, strobe_fresh => strobe_fresh, send => send, lost => lost,
+      fresh => fresh, sent => sent, hold => hold, give_up => give_up,
+      due => due, strobe => strobe, strobe_fresh => strobe_fresh, send => send, lost => lost,
       way_changed => way_changed, silence => silence);
 
   play : process is
@@ -156,6 +158,33 @@ begin
       packet('1'); -- too late for a strobe
       check_equal(strobe, '0', "the strobe of a packet that is late");
       stop_ring;
+
+      -- Beside another ring: a packet waits, and one that is late is given up.
+      start_ring('1');
+      hold <= '1';
+      nothing(pause_clocks);
+      check_equal(due, '1', "a packet that waits");
+      nothing(random.integer_between(1, 50));
+      hold <= '0';
+      tick(clock);
+      check_equal(send & due, "10", "send, due of a packet that has waited");
+      nothing(5);
+      sent <= '1';
+      tick(clock);
+      sent <= '0';
+      nothing(random.integer_between(1, hop_clocks));
+      give_up <= '1';
+      tick(clock);
+      give_up <= '0';
+      check_equal(strobe & lost & strobe_fresh, "110", "strobe, lost, strobe_fresh of a packet that is given up");
+      master_sends(hop_clocks);
+      hold <= '1';
+      packet('1');
+      tick(clock, pause_clocks + 1);
+      check_equal(due, '1', "a packet that waits, again");
+      stop_ring;
+      check_equal(due, '0', "what is due in a ring that has stopped");
+      hold <= '0';
     end loop;
 
     for number in 1 to 3 loop

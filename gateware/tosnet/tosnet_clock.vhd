@@ -4,10 +4,11 @@
 --
 --   master: own clock at a strobe + a cycle --> OUT word at `address` --> slaves: own clock at the next strobe
 --
--- Use       In each node beside tosnet_node with exact_hops, whose strobes are at the same moment everywhere. The master
---           gives `word` for send_address = `address`, an OUT word of its own. The slaves take it from what they receive.
--- Master    Its clock runs freely. After each strobe, the word is the time at which the next one is due: the cycle is as
---           long as the last one that was fresh. It is zero until the first two fresh strobes.
+-- Use       In each node beside tosnet_node with exact_hops, whose strobes are at the same moment everywhere. The
+--           master gives `word` for send_address = `address`, an OUT word of its own. The slaves take it from what
+--           they receive.
+-- Master    Its clock runs freely. After each strobe, the word is the time at which the next one is due: the cycle is
+--           as long as the last one that was fresh. It is zero until the first two fresh strobes.
 -- Slave     With each fresh strobe it compares its clock with the word that came in this cycle. If it is behind, the
 --           clock is set. If it is up to hold_bits ahead, the clock stands still for so long: it never runs backwards
 --           while `valid` is high. If it is farther off, it is set, and `valid` is low until the next strobe.

@@ -107,8 +107,8 @@ architecture rtl of tosnet_node is
     return 27 * clocks_per_bit + 5;
   end function;
 
-  -- What a packet needs through the node beside the wait. It is the symbol K28.5, two symbols of the transmitter, half a
-  -- symbol on average until it begins one, and some registers. With exact_hops, the transmitter does not wait.
+  -- What a packet needs through the node beside the wait. It is the symbol K28.5, two symbols of the transmitter, half
+  -- a symbol on average until it begins one, and some registers. With exact_hops, the transmitter does not wait.
   constant way_clocks  : positive := way;
   -- The least wait: the first byte must be there, and two more, because the clocks of two nodes differ. Behind it are
   -- as many as the checksum has.

@@ -8,9 +8,9 @@
 -- Rings     With rings = 2, the user has a node with the same id in each. The second line may go round the other way.
 --           Both rings carry the same words in the same cycles, and each cycle takes them from the one that has them
 --           first. So what is cut, damaged or started again in one ring costs no cycle. It needs exact_hops.
--- In step   The master sends into both rings at the same moment. If a packet comes back a hop later than that of the other
---           ring, it counts as lost. Then the next cycle begins two hops later. A ring that starts again waits for the
---           other one's next packet.
+-- In step   The master sends into both rings at the same moment. If a packet comes back a hop later than that of the
+--           other ring, it counts as lost. Then the next cycle begins two hops later. A ring that starts again waits
+--           for the other one's next packet.
 -- Running   At least one ring runs. rings_running tells which.
 -- Strobe    That of the first ring, or of the second one while the first does not run. So are own_address, nodes and
 --           the table.
@@ -184,7 +184,7 @@ begin
 
     active  <= (from_nodes(0).running and from_nodes(0).is_master)
                & (from_nodes(1).running and from_nodes(1).is_master);
-    hold    <= (active(1) and not due(1)) & (active(0) and not due(0));
+    hold    <= (active(1) & active(0)) and (0 to 1 => due(0) nand due(1));
     give_up <= (0 to 1 => to_bit(waited = hop_clocks)) and not due;
     sees    <= 1 when from_nodes(0).running = '0' and from_nodes(1).running = '1' else 0;
     running <= from_nodes(0).running or from_nodes(1).running;

@@ -6,8 +6,8 @@
 --           node that is still to come, the master not at all. With it, strobe_fresh says that the packet was fresh.
 -- Send      The master sends its first packet pause_clocks after `begins`, and each further one pause_clocks after its
 --           strobe.
--- Step      While `hold` is high, a packet that is to be sent waits, and `due` is high. `give_up`: a packet that has not
---           come back is lost now. So the master of two rings sends into both at once (tosnet_rings).
+-- Step      While `hold` is high, a packet that is to be sent waits, and `due` is high. `give_up`: a packet that has
+--           not come back is lost now. So the master of two rings sends into both at once (tosnet_rings).
 -- Lost      A packet of the master that has not come back (nodes + 6) hops after it was sent is lost. The master has a
 --           strobe that is not fresh, and goes on. The slaves have none.
 -- Way       The time from the master's packet to its return is the same in each cycle, but for a symbol a hop. If it

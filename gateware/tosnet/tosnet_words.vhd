@@ -105,7 +105,7 @@ begin
             came(ring)(place)   <= '1';
           end if;
         end loop;
-        if from_nodes(ring).strobe = '1' then
+        if (from_nodes(ring).strobe and from_nodes(ring).running) = '1' then
           all_came   := and came(ring);
           came(ring) <= (others => '0');
           if from_nodes(ring).strobe_fresh = '1' then

@@ -26,6 +26,8 @@ RINGS: dict[str, dict[str, Any]] = {
         "error_bits": 5000,
         "seed": 5,
     },
+    "wide_check": {"nodes": 3, "check_bytes": 2, "error_bits": 3000, "cut": False, "resets": 0, "seed": 8},
+    "exact_hops": {"nodes": 4, "exact_hops": True, "cycles": 2, "error_bits": 5000, "resets": 0, "seed": 9},
     "one_may_be_master": {"nodes": 3, "only_first_master": True, "cycles": 5, "seed": 6},
     "two_rings_joined": {"nodes": 4, "two_rings": True, "cut": False, "cycles": 3, "seed": 7},
 }
@@ -84,3 +86,20 @@ def test_the_line_is_the_published_one(ghdl: Any, tmp_path: Path, nodes: int, cl
 @pytest.mark.parametrize(("slaves", "seed"), [(2, 1), (4, 2)])
 def test_the_bridge_shows_the_ring_to_the_bus(ghdl: Any, slaves: int, seed: int) -> None:
     ghdl.run("tosnet_bridge_tb", slaves=slaves, rounds=3, seed=seed)
+
+
+@pytest.mark.parametrize(("check_bytes", "seed"), [(1, 1), (2, 2)])
+def test_a_cut_of_one_of_two_rings_costs_no_cycle(ghdl: Any, check_bytes: int, seed: int) -> None:
+    ghdl.run(
+        "tosnet_bridge_tb",
+        slaves=2,
+        rings=2,
+        rounds=1,
+        check_bytes=check_bytes,
+        watchdog_bits=3000,
+        seed=seed,
+    )
+
+
+def test_two_rings_need_exact_hops(ghdl: Any) -> None:
+    ghdl.refuse("tosnet_bridge_tb", "two rings need exact_hops", rings=2, exact=False)

@@ -26,9 +26,27 @@ def test_a_bit_that_is_too_short_stops_elaboration(ghdl: Any) -> None:
     ghdl.refuse("tosnet_line_tb", "a bit of 2 samples is too short; three are needed", clocks_per_bit=2)
 
 
-@pytest.mark.parametrize(("symbol_clocks", "packets", "seed"), [(10, 120, 1), (10, 120, 2), (40, 40, 3)])
-def test_packets(ghdl: Any, symbol_clocks: int, packets: int, seed: int) -> None:
-    ghdl.run("tosnet_packet_tb", symbol_clocks=symbol_clocks, packets=packets, seed=seed)
+@pytest.mark.parametrize(
+    "generics",
+    [
+        {"symbol_clocks": 10},
+        {"symbol_clocks": 10, "check_bytes": 2, "seed": 2},
+        {"symbol_clocks": 40, "packets": 40, "exact_start": True, "seed": 3},
+        {"symbol_clocks": 10, "packets": 60, "check_bytes": 2, "exact_start": True, "seed": 4},
+    ],
+)
+def test_packets(ghdl: Any, generics: dict[str, Any]) -> None:
+    ghdl.run("tosnet_packet_tb", **generics)
+
+
+@pytest.mark.parametrize(("rings", "is_master"), [(1, False), (1, True), (2, False), (2, True)])
+def test_words(ghdl: Any, rings: int, is_master: bool) -> None:
+    ghdl.run("tosnet_words_tb", rings=rings, is_master=is_master, seed=rings)
+
+
+@pytest.mark.parametrize(("clocks_per_bit", "apart_ppm"), [(4, 300), (4, -300), (1, 0)])
+def test_clock(ghdl: Any, clocks_per_bit: int, apart_ppm: int) -> None:
+    ghdl.run("tosnet_clock_tb", clocks_per_bit=clocks_per_bit, apart_ppm=apart_ppm)
 
 
 @pytest.mark.parametrize(("step_clocks", "seed"), [(10, 1), (3, 2)])

@@ -23,8 +23,8 @@ TOSNET_BLOCKS = (
             ),
             Mutant(
                 "tosnet_code_pkg.vhd",
-                "(rest(6 downto 0) & '0') xor polynomial",
-                "(rest(6 downto 0) & '1') xor polynomial",
+                "(rest(top - 1 downto 0) & '0') xor feedback",
+                "(rest(top - 1 downto 0) & '1') xor feedback",
             ),
         ),
     ),
@@ -37,12 +37,32 @@ TOSNET_BLOCKS = (
         mutants=(
             Mutant(
                 "tosnet_packet_out.vhd",
-                "(item_valid = '0' or item_data(0) = '1') else",
-                "item_data(0) = '1' else",
+                "(not item_valid or item_data(0));",
+                "item_data(0);",
             ),
-            Mutant("tosnet_packet_out.vhd", 'sum   <= x"00";', "null;"),
+            Mutant(
+                "tosnet_packet_out.vhd",
+                "state <= seed_symbol;\n            sum   <= (others => '0');",
+                "state <= seed_symbol;",
+            ),
             Mutant("tosnet_packet_in.vhd", "scramble <= next_scramble(scramble);", "null;"),
-            Mutant("tosnet_packet_in.vhd", "enough   <= to_bit(state = more);", "enough   <= '1';"),
+            Mutant("tosnet_packet_in.vhd", "enough <= to_bit(count = check_bytes);", "enough <= '1';"),
+        ),
+    ),
+    Block(
+        "tosnet_words",
+        "`tosnet/tosnet_words` with two rings: no set of words is torn",
+        depth=8,
+        reach=12,
+        pdr=True,
+        not_proven="that the master redistributes words of one cycle: the ring's bench tests it",
+        mutants=(
+            Mutant("tosnet_words.vhd", "if all_came = '1' and not taken then", "if not taken then"),
+            Mutant("tosnet_words.vhd", "since <= apart_clocks;", "since <= 0;"),
+            Mutant("tosnet_words.vhd", "came(ring) <= (others => '0');", "null;"),
+            Mutant(
+                "tosnet_words.vhd", "send_words(ring) <= word;", "send_words(ring) <= word or write_words(0);"
+            ),
         ),
     ),
     Block(
