@@ -241,3 +241,15 @@ def test_baud_chooses_the_samples_of_the_line(baud: str, samples: int, designs: 
     for entity in ("ring_node_2", "ring_node_3", "ring_top"):
         assert re.search(rf"ring_in\s*: in\s+{re.escape(kind)};", texts[f"vhdl/{entity}.vhd"])
         assert f"entity {entity}" in library.synthesise(entity, HARMLESS)
+
+
+def test_a_ring_with_a_bit_a_clock_exchanges_words(designs: Any) -> None:
+    text = """public fast_ring(u) { TOSNET(COMM=u, NODE=1, NODES=ring, BAUD=50 MHz);
+       @word = 0x86: WRITE(); @back = 0x81: READ(); motor: h_bridge() @control=0x84, @duty=0x85, @status=0x80; }"""
+    spec = compile_text(text, "fast_ring.ul").spec
+    assert spec is not None
+    begun = 40_000  # clocks: until the nodes have found each other
+    writes = ("#W:008600C0FFEE\n", "#W:008400000001\n", "#W:008500000FA0\n", "#W:040000000001\n")
+    answers = designs.play(spec, "fast_ring_tb", [begun, *writes, 6_000, "#R:0081\n", "#R:0080\n"])
+    assert answers[1:5] == [b"#S_W\n"] * 4
+    assert answers[6:] == [b"#S_R:00c0ffee\n", b"#S_R:00000001\n"]
