@@ -245,7 +245,8 @@ def test_baud_chooses_the_samples_of_the_line(baud: str, samples: int, designs: 
 
 def test_a_ring_with_a_bit_a_clock_exchanges_words(designs: Any) -> None:
     text = """public fast_ring(u) { TOSNET(COMM=u, NODE=1, NODES=ring, BAUD=50 MHz);
-       @word = 0x86: WRITE(); @back = 0x81: READ(); motor: h_bridge() @control=0x84, @duty=0x85, @status=0x80; }"""
+       @word = 0x86: WRITE(); @back = 0x81: READ();
+       motor: h_bridge() @control=0x84, @duty=0x85, @status=0x80; }"""
     spec = compile_text(text, "fast_ring.ul").spec
     assert spec is not None
     begun = 40_000  # clocks: until the nodes have found each other
