@@ -78,12 +78,12 @@ class Foc final : public Component {
       compute();
       give_ = never;
     }
+    if (enable() && !enabled_before_) {
+      is_tripped_ = false;
+    }
     if (ran && !valid) {
       is_tripped_ = true;
       event(0, edge);
-    }
-    if (enable() && !enabled_before_) {
-      is_tripped_ = false;
     }
     if (!ran || !valid) {
       axes_ = {Axis{0, axes_[0].voltage, false}, Axis{0, axes_[1].voltage, false}};

@@ -411,12 +411,12 @@ begin
         end loop;
       end if;
 
+      if enable = '1' and enabled_before = '0' then
+        is_tripped <= '0';
+      end if;
       if runs = '1' and inputs_valid = '0' then
         is_tripped <= '1';
         tripped    <= '1';
-      end if;
-      if enable = '1' and enabled_before = '0' then
-        is_tripped <= '0';
       end if;
       if stops = '1' then
         step       <= idle;
