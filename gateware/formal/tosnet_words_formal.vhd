@@ -143,7 +143,9 @@ begin
 
   -- An exchange from each ring, and one behind the other, can happen.
   exchange_of_first  : cover {exchange = '1' and prev(strobe(1)) = '0' and one_set = '0'};
+  -- It can be the other one, too.
   exchange_of_second : cover {exchange = '1' and prev(strobe(0)) = '0' and one_set = '1'};
+  -- A word that was written is sent.
   sent : cover {known = '1' and send_words(0) = x"12345678"};
 
 end architecture;
