@@ -6,6 +6,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use std.textio.all;
   use work.bench_pkg.all;
   use work.bit_pkg.all;
   use work.protocol_pkg.all;
@@ -17,6 +18,7 @@ entity tosnet_start_tb is
     most_nodes      : positive range 2 to 15 := 5;
     election_clocks : positive := 3000;
     symbol_clocks   : positive := 10; -- from one byte to the next
+    script_file     : string   := ""; -- of tests/gateware/tosnet_election.py: packets, and what must follow
     seed            : positive := 1
   );
 end entity;
@@ -356,6 +358,48 @@ begin
       check_restart(trouble_masks, "a mask is missing at the master");
     end procedure;
 
+    -- Each line: a packet in hexadecimal digits, "." if it is good and "!" if not, what the node sends or "-", and
+    -- whether it runs, and is the master.
+    procedure play_script is
+      file script   : text open read_mode is script_file;
+      variable one  : line;
+
+      impure function word return string is
+        variable result : string(1 to 200);
+        variable last   : natural   := 0;
+        variable letter : character := ' ';
+        variable good   : boolean   := true;
+      begin
+        loop
+          read(one, letter, good);
+          exit when not good or letter = ' ';
+          last := last + 1;
+          result(last) := letter;
+        end loop;
+        return result(1 to last);
+      end function;
+
+      procedure play_line (digits : string) is
+        constant mark   : string := word;
+        constant answer : string := word;
+        constant state  : string := word;
+      begin
+        if answer = "-" then
+          packet(digits, "", mark = ".");
+        else
+          packet(digits, answer, mark = ".");
+        end if;
+        check_equal(running, to_bit(state(1) = '1'), "running after " & digits);
+        check_equal(is_master, to_bit(state(2) = '1'), "is_master after " & digits);
+      end procedure;
+
+    begin
+      while not endfile(script) loop
+        readline(script, one);
+        play_line(word);
+      end loop;
+    end procedure;
+
     -- The node speaks by itself, at these distances.
     procedure hear (expected : string) is
       variable waited : natural := 0;
@@ -379,6 +423,12 @@ begin
       check_equal(item_valid, '0', "a node speaks right after its reset");
     end loop;
     hear("27.");
+    if script_file /= "" then
+      play_script;
+      report_passed("tosnet_start_tb");
+      ended <= true;
+      wait;
+    end if;
     hear("27.");
     play_slave;
     hear("27.");
