@@ -21,15 +21,13 @@
 --           gives are zero.
 -- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or
 --           the gateware starts again.
--- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits
---           wait. One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring:
---           network_cycle is high for one clock when new read_words are there, and the network registers are those of
---           its table.
+-- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged, and commits wait.
+--           One clock of damaged is one cycle with an error. With cycle_clocks = 0 there is a ring. Then network_cycle
+--           is high for one clock when read_words are new, and the network registers are those of its table.
 -- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
 --           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that just arrived.
--- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select
---           all bytes by sel, and a full or empty asynchronous queue. Such an access changes only the error bits of the
---           status.
+-- Errors    err for a word that may not be written or read, an address without meaning, a write whose sel lacks bytes,
+--           a full or empty asynchronous queue. Such an access changes only the error bits of the status.
 -- Reset     All words are zero, and no commit is pending.
 
 library ieee;
@@ -66,9 +64,9 @@ entity tosnet_slave is
     write_words : out word_vector_t(0 to write_addresses'length - 1);
     read_words  : in  word_vector_t(0 to read_addresses'length - 1);
 
-    online  : in std_ulogic := '1';
-    damaged : in std_ulogic := '0';
-
+    online     : in std_ulogic           := '1';
+    damaged    : in std_ulogic           := '0';
+    other_spec : in unsigned(3 downto 0) := "0000"; -- the id of a node that was built from another spec
     network_cycle : in  std_ulogic := '0';
     is_master     : in  std_ulogic := '1';
     own_address   : in  unsigned(3 downto 0) := "0000"; -- in the ring
@@ -271,6 +269,8 @@ begin
         std_ulogic_vector(to_unsigned(master_id, 4));
       status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c)
         := std_ulogic_vector(own_address);
+      status(tosnet_status_other_spec_shift_c + 3 downto tosnet_status_other_spec_shift_c)
+        := std_ulogic_vector(other_spec);
 
       good  := '0';
       given := (others => '0');

@@ -25,6 +25,7 @@ entity tosnet_bridge_tb is
     rings              : positive range 1 to 2 := 1; -- the second one goes round the other way
     check_bytes        : positive := 1;
     exact              : boolean  := true;
+    other_spec         : natural range 0 to 15 := 0; -- the id of a node that was built from another spec; 0: none
     seed               : positive := 1
   );
 end entity;
@@ -48,6 +49,17 @@ architecture test of tosnet_bridge_tb is
   end function;
 
   type lines_t is array (natural range <>) of std_ulogic_vector(0 to slaves);
+
+  -- The first slave is one that does not tell.
+  function spec_of (slave : positive) return std_ulogic_vector is
+  begin
+    if slave + 1 = other_spec then
+      return x"FEDCBA98";
+    elsif slave = 1 then
+      return x"00000000";
+    end if;
+    return x"12345678";
+  end function;
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
@@ -89,7 +101,8 @@ begin
   dut : entity work.tosnet_bridge
     generic map (
       write_addresses => words_of(1), read_addresses => words_of(0), max_skipped_writes => max_skipped_writes,
-      watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes, exact_hops => rings = 2 and exact)
+      watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes, exact_hops => rings = 2 and exact,
+      spec_word => x"12345678")
     port map (
       clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, line_in => entry(0 downto 0),
       line_out => lines(0)(0), cycle => cycle, committed => committed, halted => halted, online => online,
@@ -146,11 +159,12 @@ begin
         generic map (
           id => slave + 1, read_addresses => own_reads, write_addresses => own_writes, may_be_master => false,
           most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
-          exact_hops => rings = 2 and exact)
+          exact_hops => rings = 2 and exact, spec_word => spec_of(slave))
         port map (
           clock => own_clock, reset => slave_reset(slave), line_in => own_entry, line_out => own_exit,
           running => slave_running(slave), rings_running => open, is_master => open, own_address => open,
-          nodes => open, troubles => open, damaged => open, strobe => strobe, exchange => open, missing => open,
+          nodes => open, troubles => open, damaged => open, judged => open, other_spec => open,
+          strobe => strobe, exchange => open, missing => open,
           read_words => inputs, write_words => outputs, time_valid => open, time_bits => open, table_entry => open,
           table_mask => open,
           to_ring_valid => to_valid, to_ring_ready => to_ready, to_ring_data => to_word(31 downto 0),
@@ -172,7 +186,7 @@ begin
         generic map (
           id => slave + 1, registers => x"01", read_addresses => own_reads, write_addresses => own_writes,
           most_nodes => slaves + 1, watchdog_bits => watchdog_bits, rings => rings, check_bytes => check_bytes,
-          exact_hops => rings = 2 and exact)
+          exact_hops => rings = 2 and exact, spec_word => spec_of(slave))
         port map (
           clock => own_clock, reset => slave_reset(slave), line_in => own_entry(0 downto 0), line_out => own_exit(0),
           running => slave_running(slave), strobe => strobe, exchange => open, trouble => open, read_words => inputs,
@@ -286,6 +300,20 @@ begin
     tick(clock);
     read(tosnet_status_c);
     check_equal(word(tosnet_status_online_bit_c), '0', "online before the ring runs");
+    if other_spec > 0 then
+      wait until slave_running = (slave_running'range => '1') for 5 ms;
+      for count in 1 to 200 loop
+        read(tosnet_status_c);
+        check_equal(word(tosnet_status_online_bit_c), '0', "online with a node of another spec");
+        wait for cycle_time / 10;
+        wait until rising_edge(clock);
+      end loop;
+      word := word srl tosnet_status_other_spec_shift_c;
+      check_equal(to_integer(unsigned(word(3 downto 0))), other_spec, "the node of another spec");
+      report_passed("tosnet_bridge_tb");
+      done <= true;
+      wait;
+    end if;
     await_online('1', 10 ms, "the ring does not start");
     read(tosnet_status_c);
     check_equal(word(tosnet_status_master_bit_c), '1', "the master");

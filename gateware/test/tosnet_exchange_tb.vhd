@@ -18,16 +18,27 @@ entity tosnet_exchange_tb is
     rings         : positive := 12;
     symbol_clocks : positive := 10;
     word_clocks   : positive range 1 to 2 := 1; -- from send_address to send_word
+    tells         : boolean  := true; -- from which spec the node was built
     seed          : positive := 1
   );
 end entity;
 
 architecture test of tosnet_exchange_tb is
 
+  function word_of_spec return std_ulogic_vector is
+  begin
+    if tells then
+      return x"89ABCDEF";
+    end if;
+    return x"00000000";
+  end function;
+
+  constant spec_word : std_ulogic_vector(31 downto 0) := word_of_spec;
+
   type fields_t is array (0 to 15) of std_ulogic_vector(7 downto 0);
   type bytes_t is array (0 to 4200) of byte_t;
   type addresses_t is array (0 to 4200) of integer;
-  type counts_t is array (0 to 6) of natural;
+  type counts_t is array (0 to 7) of natural;
   type fault_t is (no_fault, damaged, short, long, foreign_slot, other_command);
 
   signal clock, send, running : std_ulogic := '0';
@@ -61,11 +72,14 @@ architecture test of tosnet_exchange_tb is
   signal last_item   : item_t;       -- the end of a packet
   signal steps       : natural := 0;
   signal forget      : boolean := false; -- sets these to zero
-  signal item_count, begun, keeps, dones, brokens, foreigns, ends : natural := 0;
+  signal item_count, begun, keeps, dones, brokens, foreigns, tolds, ends : natural := 0;
   signal was_fresh   : std_ulogic;
   signal taken       : std_ulogic_vector(95 downto 0);
   signal kept_count  : unsigned(3 downto 0);
   signal kept_id     : std_ulogic_vector(3 downto 0);
+  signal told        : std_ulogic;
+  signal told_id, told_who   : std_ulogic_vector(3 downto 0);
+  signal told_word, told_now : std_ulogic_vector(31 downto 0);
 
   function word_at (address : natural; turn : natural) return std_ulogic_vector is
   begin
@@ -77,7 +91,7 @@ begin
   clock <= not clock after 10 ns when not ended;
 
   dut : entity work.tosnet_exchange
-    generic map (may_be_master => may_be_master)
+    generic map (may_be_master => may_be_master, spec_word => spec_word)
     port map (
       clock => clock, reset => reset, id => id, running => running, is_master => to_bit(master),
       master_id => master_id, own_address => own_address, nodes => nodes, members => members, start => start,
@@ -87,6 +101,7 @@ begin
       received_valid => received_valid, received_address => received_address, received_word => received_word,
       send_address => send_address, send_word => send_word, send => send, sent => sent,
       packet_done => packet_done, fresh => fresh, broken => broken, foreign => foreign,
+      told => told, told_id => told_id, told_word => told_word,
       send_waiting => send_waiting, send_id => send_id, send_begin => send_begin, send_step => send_step,
       send_data => send_data, send_count => send_count, take_valid => take_valid, take_data => take_data,
       take_keep => take_keep, take_count => take_count, take_id => take_id);
@@ -121,12 +136,15 @@ begin
     keeps      <= keeps + 1 when take_keep = '1';
     kept_count <= take_count when take_keep = '1';
     kept_id    <= take_id when take_keep = '1';
+    tolds      <= tolds + 1 when told = '1';
+    told_who   <= told_id when told = '1';
+    told_now   <= told_word when told = '1';
     dones      <= dones + 1 when packet_done = '1';
     was_fresh  <= fresh when packet_done = '1';
     brokens  <= brokens + 1 when broken = '1';
     foreigns <= foreigns + 1 when foreign = '1';
     if forget then
-      (item_count, begun, keeps, dones, brokens, foreigns, ends) <= counts_t'(others => 0);
+      (item_count, begun, keeps, dones, brokens, foreigns, tolds, ends) <= counts_t'(others => 0);
     end if;
     item_ready <= to_bit(not master or now / 20 ns mod symbol_clocks = 3);
   end process;
@@ -250,6 +268,8 @@ begin
         put(byte, byte);
         if answers and send_waiting = '1' then
           expected(length - 1) := std_ulogic_vector(to_unsigned(16#40# + index, 8));
+        elsif answers and tells and kind = 1 and index < 4 then
+          expected(length - 1) := spec_word(8 * index + 7 downto 8 * index);
         end if;
       end loop;
       byte := halves(bytes, low);
@@ -409,6 +429,14 @@ begin
       check_equal(to_bit(foreigns = 1), to_bit(stranger), "foreign: " & what);
       if whole then
         check_equal(was_fresh, to_bit(is_fresh), "fresh: " & what);
+      end if;
+      check_equal(to_bit(tolds = 1), to_bit(master and is_fresh), "an answer: " & what);
+      if tolds = 1 then
+        check_equal(to_integer(unsigned(told_who)), who, "whose answer it is");
+        for index in 0 to 3 loop
+          check_equal(told_now(8 * index + 7 downto 8 * index),
+                      packet(slot + 1 + index) and (7 downto 0 => to_bit(kind = 2)), "a byte of what a node tells");
+        end loop;
       end if;
       check_equal(to_bit(keeps = 1), to_bit(is_fresh and for_us and bytes <= 12), "a message that is kept: " & what);
       if keeps = 1 then

@@ -67,7 +67,8 @@ begin
         nodes => open, trouble => trouble(place), restarted => open, damaged => damaged(place),
         strobe => strobe(place), strobe_fresh => strobe_fresh(place), received_valid => received_valid(place),
         received_address => received_address(place), received_word => received_word(place),
-        send_address => send_address(place), send_word => send_word(place), table_entry => table_entry,
+        send_address => send_address(place), send_word => send_word(place), told => open, told_id => open,
+        told_word => open, members => open, table_entry => table_entry,
         table_mask => open, to_ring_ready => open, from_ring_valid => open, from_ring_data => open,
         from_ring_last => open, from_ring_id => open, message_lost => open);
 

@@ -10,6 +10,8 @@
 --           nothing is exchanged and commits wait.
 -- Rings     One, or two for redundancy (tosnet_rings): then the ports second_... are those of the second one, and one
 --           ring that runs is enough to be online. A cycle that is damaged in either is counted.
+-- Spec      With spec_word, the bridge is online when all members have answered it once, and none has told another spec
+--           than this one. The status names a node that has. A node that does not tell, as one of 2010, passes.
 -- Cycle     `cycle` is high for one clock in each cycle of the ring whose words are good. So an event group on it
 --           publishes the words of all nodes of one cycle.
 -- Latency   A commit takes effect at the next strobe, and all nodes have its words at the strobe after it. A word of a
@@ -20,6 +22,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.bit_pkg.all;
   use work.protocol_pkg.all;
   use work.register_pkg.all;
   use work.tosnet_pkg.all;
@@ -44,7 +47,8 @@ entity tosnet_bridge is
     exact_hops         : boolean                       := false;
     line_clocks        : natural                       := 2;
     rings              : positive range 1 to 2         := 1;   -- tosnet_rings
-    time_address       : natural range 0 to 1024       := 1024
+    time_address       : natural range 0 to 1024       := 1024;
+    spec_word          : std_ulogic_vector(31 downto 0) := x"00000000" -- tosnet_exchange
   );
   port (
     clock        : in  std_ulogic;
@@ -79,6 +83,8 @@ architecture rtl of tosnet_bridge is
   signal exits        : std_ulogic_vector(rings - 1 downto 0);
   signal each_running : std_ulogic_vector(rings - 1 downto 0);
   signal each_trouble : trouble_vector_t(0 to rings - 1);
+  signal judged      : std_ulogic;
+  signal other_spec  : unsigned(3 downto 0);
   signal write_words : word_vector_t(0 to write_addresses'length - 1);
   signal read_words  : word_vector_t(0 to read_addresses'length - 1);
   signal to_valid, to_ready, from_valid, from_ready : std_ulogic;
@@ -88,7 +94,7 @@ architecture rtl of tosnet_bridge is
 
 begin
 
-  online <= running and is_master and not missing;
+  online <= running and is_master and not missing and judged and to_bit(other_spec = 0);
 
   slave : entity work.tosnet_slave
     generic map (
@@ -98,7 +104,7 @@ begin
     port map (
       clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
       cycle => cycle, committed => committed, halted => halted, write_words => write_words, read_words => read_words,
-      online => online, damaged => damaged, network_cycle => exchange, is_master => is_master,
+      online => online, damaged => damaged, other_spec => other_spec, network_cycle => exchange, is_master => is_master,
       own_address => own_address, ring_nodes => nodes, table_index => table_index, table_entry => table_entry,
       table_mask => table_mask,
       to_node_valid => to_valid, to_node_ready => to_ready, to_node_data => to_data, to_node_last => to_last,
@@ -111,12 +117,13 @@ begin
       write_addresses => write_addresses, rings => rings, time_address => time_address, most_nodes => most_nodes,
       clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
       watchdog_bits => watchdog_bits, channel => async_depth > 0, check_bytes => check_bytes,
-      exact_hops => exact_hops, line_clocks => line_clocks)
+      exact_hops => exact_hops, line_clocks => line_clocks, spec_word => spec_word)
     port map (
       clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
       rings_running => each_running, is_master => is_master, own_address => own_address, nodes => nodes,
       troubles => each_trouble, damaged => damaged, strobe => open, exchange => exchange, missing => missing,
-      read_words => read_words, write_words => write_words, time_valid => time_valid, time_bits => time_bits,
+      read_words => read_words, write_words => write_words, judged => judged, other_spec => other_spec,
+      time_valid => time_valid, time_bits => time_bits,
       table_index => table_index, table_entry => table_entry, table_mask => table_mask,
       to_ring_valid => to_valid, to_ring_ready => to_ready, to_ring_data => to_data, to_ring_last => to_last,
       to_ring_id => to_id, from_ring_valid => from_valid, from_ring_ready => from_ready, from_ring_data => from_data,

@@ -15,6 +15,9 @@
 -- Foreign   The slot names a node that this ring does not have, or, for the master, another one than it had asked:
 --           `foreign` is high for one clock. So two rings that are joined by mistake notice it within a cycle.
 -- Pressure  item_ready must be high whenever a slave has an item. A master waits.
+-- Spec      A slave that has no message tells spec_word in the bytes of the empty slot, the lowest byte first. With
+--           zero it tells nothing, like a node of 2010. To the master, `told` is high for one clock with the answer of
+--           told_id: told_word is zero if that node has told nothing.
 -- Channel   send_waiting: the mailbox has a message, to send_id. The master sends it, or asks the members in turn for
 --           theirs. A slave sends its own only when it is asked.
 
@@ -28,7 +31,8 @@ library ieee;
 
 entity tosnet_exchange is
   generic (
-    may_be_master : boolean := true
+    may_be_master : boolean                       := true;
+    spec_word     : std_ulogic_vector(31 downto 0) := x"00000000"
   );
   port (
     clock       : in std_ulogic;
@@ -68,6 +72,9 @@ entity tosnet_exchange is
     fresh            : out std_ulogic;
     broken           : out std_ulogic;
     foreign          : out std_ulogic;
+    told             : out std_ulogic;
+    told_id          : out std_ulogic_vector(3 downto 0);
+    told_word        : out std_ulogic_vector(31 downto 0);
 
     send_waiting : in  std_ulogic := '0'; -- tosnet_mailbox
     send_id      : in  std_ulogic_vector(3 downto 0) := "0000";
@@ -88,6 +95,8 @@ architecture rtl of tosnet_exchange is
   constant slot_tail  : natural := tosnet_wire_message_bytes_c + 1;
   constant slot_bytes : natural := tosnet_wire_message_bytes_c + 2;
 
+  constant tells : std_ulogic := or spec_word;
+
   -- What comes.
   signal first       : std_ulogic; -- the next byte is the packet's first
   signal in_packet   : std_ulogic;
@@ -102,6 +111,10 @@ architecture rtl of tosnet_exchange is
   signal stray       : std_ulogic; -- the slot names a node that it must not
   signal for_us      : std_ulogic; -- the slot has a message for this node
   signal answering   : std_ulogic; -- this slave puts its message into the slot
+  signal telling     : std_ulogic; -- this slave puts spec_word into the slot
+  signal answered    : std_ulogic; -- the slot is an answer of the node that the master has asked
+  signal spoke       : std_ulogic; -- … and has a message
+  signal heard_word  : std_ulogic_vector(31 downto 0); -- the first bytes of the slot
   signal own_byte    : byte_t;
   signal three_bytes : std_ulogic_vector(23 downto 0); -- of the word that comes
   signal in_item     : item_t;
@@ -158,6 +171,7 @@ begin
       in_next        <= '0';
       take_valid     <= '0';
       take_keep      <= '0';
+      told           <= '0';
       take_data      <= data;
       passed         := data;
 
@@ -170,6 +184,9 @@ begin
         stray     <= '0';
         for_us    <= '0';
         answering <= '0';
+        telling   <= '0';
+        answered  <= '0';
+        spoke     <= '0';
       elsif valid = '1' and in_packet = '1' then
         in_item_valid <= not is_master;
         if in_finished = '0' then
@@ -188,6 +205,8 @@ begin
             if is_master = '1' then
               stray  <= to_bit(data(3 downto 0) /= asked);
               for_us <= to_bit(kind = tosnet_wire_message_from_node_c);
+              spoke  <= to_bit(kind = tosnet_wire_message_from_node_c);
+              answered <= to_bit(kind = tosnet_wire_message_from_node_c or kind = tosnet_wire_no_message_from_node_c);
             else
               take_id <= master_id;
               stray   <= to_bit(who /= 0) and not members(who);
@@ -200,7 +219,8 @@ begin
                 if send_waiting = '1' then
                   passed := halves(tosnet_wire_message_from_node_c, id);
                 else
-                  passed := halves(tosnet_wire_no_message_from_node_c, id);
+                  passed  := halves(tosnet_wire_no_message_from_node_c, id);
+                  telling <= to_bit(kind = tosnet_wire_no_message_from_master_c) and tells;
                 end if;
               end if;
             end if;
@@ -209,6 +229,11 @@ begin
             in_next    <= answering;
             if answering = '1' then
               passed := send_data;
+            elsif telling = '1' and in_slot <= 4 then
+              passed := byte_of(spec_word, to_unsigned(in_slot - 1, 2));
+            end if;
+            if in_slot <= 4 then
+              heard_word <= data & heard_word(31 downto 8);
             end if;
           else
             take_count <= unsigned(data(7 downto 4));
@@ -236,6 +261,7 @@ begin
           fresh         <= complete;
           foreign       <= good and stray;
           take_keep     <= complete and for_us;
+          told          <= complete and answered;
         end if;
       end if;
 
@@ -247,9 +273,13 @@ begin
         foreign       <= '0';
         in_item_valid <= '0';
         take_keep     <= '0';
+        told          <= '0';
       end if;
     end if;
   end process;
+
+  told_id   <= asked;
+  told_word <= heard_word and (31 downto 0 => not spoke);
 
   sender : if may_be_master generate
 

@@ -45,6 +45,7 @@ entity tosnet_node is
     channel           : boolean                := true;
     check_bytes       : positive range 1 to 2  := 1;
     exact_hops        : boolean                := false;
+    spec_word         : std_ulogic_vector(31 downto 0) := x"00000000"; -- tosnet_exchange
     line_clocks       : natural                := 2 -- of exact_hops: a synchroniser, and what the line itself takes
   );
   port (
@@ -76,6 +77,12 @@ entity tosnet_node is
     received_word    : out std_ulogic_vector(31 downto 0);
     send_address     : out std_ulogic_vector(9 downto 0);
     send_word        : in  std_ulogic_vector(31 downto 0);
+
+    -- Of the master: the answer of a member, and who the members are (tosnet_exchange, tosnet_start).
+    told      : out std_ulogic;
+    told_id   : out std_ulogic_vector(3 downto 0);
+    told_word : out std_ulogic_vector(31 downto 0);
+    members   : out std_ulogic_vector(15 downto 0);
 
     table_index : in  unsigned(3 downto 0) := "0000"; -- network registers of the ring, one clock later
     table_entry : out std_ulogic_vector(7 downto 0);
@@ -134,7 +141,6 @@ architecture rtl of tosnet_node is
   signal begins, restart, flush, was_lost, silence, foreign, way_changed : std_ulogic;
   signal cause     : trouble_t;
   signal master_id : std_ulogic_vector(3 downto 0);
-  signal members   : std_ulogic_vector(15 downto 0);
 
   signal write_entry, write_mask : std_ulogic;
   signal write_index          : unsigned(3 downto 0);
@@ -183,7 +189,7 @@ begin
       write_entry => write_entry, write_mask => write_mask, write_index => write_index, write_data => write_data);
 
   exchange : entity work.tosnet_exchange
-    generic map (may_be_master => may_be_master)
+    generic map (may_be_master => may_be_master, spec_word => spec_word)
     port map (
       clock => clock, reset => reset, id => id, running => running, is_master => is_master, master_id => master_id,
       own_address => own_address, nodes => nodes, members => members,
@@ -194,6 +200,7 @@ begin
       received_valid => received_valid, received_address => received_address, received_word => received_word,
       send_address => send_address, send_word => send_word, send => send, sent => sent,
       packet_done => packet_done, fresh => fresh, broken => broken, foreign => foreign,
+      told => told, told_id => told_id, told_word => told_word,
       send_waiting => send_waiting, send_id => send_id, send_begin => send_begin, send_step => send_step,
       send_data => send_data, send_count => send_count, take_valid => take_valid, take_data => take_data,
       take_keep => take_keep, take_count => take_count, take_id => take_id);

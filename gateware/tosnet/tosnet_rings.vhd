@@ -15,6 +15,8 @@
 -- Strobe    That of the first ring, or of the second one while the first does not run. So are own_address, nodes and
 --           the table.
 -- Channel   Messages go through the first ring.
+-- Spec      With spec_word, a master waits until each member of a ring has answered it once, and tells by `judged`. If
+--           a member tells another word than spec_word, other_spec is its id, until that ring stops.
 -- Time      With time_address below 1024, the rings share a clock (tosnet_clock), whose OUT word is there.
 -- Reset     All words are zero, but for those with a safe value, and the nodes join their rings.
 
@@ -46,7 +48,8 @@ entity tosnet_rings is
     channel           : boolean                       := true;
     check_bytes       : positive range 1 to 2         := 1;
     exact_hops        : boolean                       := false;
-    line_clocks       : natural                       := 2
+    line_clocks       : natural                       := 2;
+    spec_word         : std_ulogic_vector(31 downto 0) := x"00000000"
   );
   port (
     clock         : in  std_ulogic;
@@ -65,6 +68,8 @@ entity tosnet_rings is
     missing       : out std_ulogic;
     read_words    : out word_vector_t(0 to read_addresses'length - 1);
     write_words   : in  word_vector_t(0 to write_addresses'length - 1);
+    judged        : out std_ulogic;
+    other_spec    : out unsigned(3 downto 0);
     time_valid    : out std_ulogic;
     time_bits     : out unsigned(31 downto 0);
 
@@ -89,6 +94,8 @@ architecture rtl of tosnet_rings is
   constant hop_clocks : positive := hop_bits * clocks_per_bit;
 
   type fours_t is array (natural range <>) of unsigned(3 downto 0);
+  type ids_t is array (natural range <>) of std_ulogic_vector(3 downto 0);
+  type members_t is array (natural range <>) of std_ulogic_vector(15 downto 0);
   type bytes_t is array (natural range <>) of std_ulogic_vector(7 downto 0);
 
   signal from_nodes     : from_node_vector_t(0 to rings - 1);
@@ -99,6 +106,12 @@ architecture rtl of tosnet_rings is
   signal each_entry     : bytes_t(0 to rings - 1);
   signal each_mask      : bytes_t(0 to rings - 1);
   signal each_damaged   : std_ulogic_vector(0 to rings - 1);
+  signal told           : std_ulogic_vector(0 to rings - 1);
+  signal told_id        : ids_t(0 to rings - 1);
+  signal told_word      : word_vector_t(0 to rings - 1);
+  signal members        : members_t(0 to rings - 1);
+  signal answered       : members_t(0 to rings - 1); -- the members that have answered
+  signal other          : fours_t(0 to rings - 1);   -- one that has told another
   signal sees           : natural range 0 to rings - 1; -- the ring whose strobe the user has
 
   -- Of the master's packets.
@@ -134,7 +147,7 @@ begin
         clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock, hop_bits => hop_bits,
         watchdog_bits => watchdog_bits, may_be_master => may_be_master, most_nodes => most_nodes,
         channel => channel and number = 0, check_bytes => check_bytes, exact_hops => exact_hops,
-        line_clocks => line_clocks)
+        line_clocks => line_clocks, spec_word => spec_word)
       port map (
         clock => clock, reset => reset,
         line_in => line_in((number + 1) * samples_per_clock - 1 downto number * samples_per_clock),
@@ -147,7 +160,8 @@ begin
         received_valid => from_nodes(number).received_valid,
         received_address => from_nodes(number).received_address,
         received_word => from_nodes(number).received_word, send_address => from_nodes(number).send_address,
-        send_word => words_to_send(number),
+        send_word => words_to_send(number), told => told(number), told_id => told_id(number),
+        told_word => told_word(number), members => members(number),
         table_index => table_index, table_entry => each_entry(number), table_mask => each_mask(number),
         to_ring_valid => own_to_valid, to_ring_ready => own_to_ready, to_ring_data => to_ring_data,
         to_ring_last => to_ring_last, to_ring_id => to_ring_id, from_ring_valid => own_from_valid,
@@ -211,6 +225,41 @@ begin
     end process;
 
   end generate;
+
+  compare : process (clock) is
+  begin
+    if rising_edge(clock) then
+      for number in 0 to rings - 1 loop
+        if told(number) = '1' then
+          answered(number)(to_integer(unsigned(told_id(number)))) <= '1';
+          if unsigned(told_word(number)) /= 0 and told_word(number) /= spec_word then
+            other(number) <= unsigned(told_id(number));
+          end if;
+        end if;
+        if from_nodes(number).running = '0' then
+          answered(number)     <= (others => '0');
+          answered(number)(id) <= '1';
+          other(number)        <= "0000";
+        end if;
+      end loop;
+    end if;
+  end process;
+
+  judge : process (all) is
+    variable all_answered : std_ulogic;
+  begin
+    all_answered := '1';
+    other_spec   <= "0000";
+    for number in 0 to rings - 1 loop
+      if from_nodes(number).running = '1' then
+        all_answered := all_answered and not (or (members(number) and not answered(number)));
+        if other(number) /= 0 then
+          other_spec <= other(number);
+        end if;
+      end if;
+    end loop;
+    judged <= all_answered or to_bit(unsigned(spec_word) = 0);
+  end process;
 
   is_master   <= from_nodes(sees).is_master;
   strobe      <= from_nodes(sees).strobe;

@@ -36,7 +36,8 @@ entity tosnet_slave_node is
     exact_hops        : boolean                      := false;
     line_clocks       : natural                      := 2;
     rings             : positive range 1 to 2        := 1;   -- tosnet_rings
-    time_address      : natural range 0 to 1024      := 1024
+    time_address      : natural range 0 to 1024      := 1024;
+    spec_word         : std_ulogic_vector(31 downto 0) := x"00000000" -- tosnet_exchange
   );
   port (
     clock       : in  std_ulogic;
@@ -74,12 +75,14 @@ begin
       safe_addresses => safe_addresses, safe_values => safe_values, rings => rings, time_address => time_address,
       may_be_master => false, most_nodes => most_nodes, clocks_per_bit => clocks_per_bit,
       samples_per_clock => samples_per_clock, hop_bits => hop_bits, watchdog_bits => watchdog_bits, channel => false,
-      check_bytes => check_bytes, exact_hops => exact_hops, line_clocks => line_clocks)
+      check_bytes => check_bytes, exact_hops => exact_hops, line_clocks => line_clocks,
+      spec_word => spec_word)
     port map (
       clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
       rings_running => each_running, is_master => open, own_address => open, nodes => open, troubles => each_trouble,
       damaged => open, strobe => strobe, exchange => exchange, missing => open, read_words => read_words,
-      write_words => write_words, time_valid => time_valid, time_bits => time_bits, table_entry => open,
+      write_words => write_words,
+      judged => open, other_spec => open, time_valid => time_valid, time_bits => time_bits, table_entry => open,
       table_mask => open, to_ring_ready => open, from_ring_valid => open, from_ring_data => open,
       from_ring_last => open, from_ring_id => open);
 

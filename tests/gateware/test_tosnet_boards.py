@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from unitylink import Link, protocol
-from unitylink.errors import BindingError
+from unitylink.errors import BindingError, NetworkOffline
 from unitylink.generate import planned_files
 from unitylink.generate.spec_plan import SpecPlan
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.layer3_hardware import TosNetProxy
 from unitylink.simulate import Board
 from unitylink.simulate.registers import Registers
 from unitylink.simulate.rtl import RtlBoard
@@ -254,3 +255,25 @@ def test_a_ring_with_a_bit_a_clock_exchanges_words(designs: Any) -> None:
     answers = designs.play(spec, "fast_ring_tb", [begun, *writes, 6_000, "#R:0081\n", "#R:0080\n"])
     assert answers[1:5] == [b"#S_W\n"] * 4
     assert answers[6:] == [b"#S_R:00c0ffee\n", b"#S_R:00000001\n"]
+
+
+def test_a_node_of_another_spec_is_refused_by_its_id(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Node 2 has the gateware of an older spec. No command reaches it, and the error says which node."""
+
+    def older(*arguments: Any) -> dict[str, str]:
+        files = planned_files(*arguments)
+        name = next(name for name in files if "_node_2" in name)
+        return {**files, name: re.sub(r'(spec_word +=> x)"[0-9A-F]{8}"', r'\1"00000BAD"', files[name])}
+
+    monkeypatch.setattr("unitylink.simulate.rtl.design.planned_files", older)
+    words = "@to = 0x84: WRITE(); @of = 0x80: READ();"
+    spec = compiled(f"public two(u) {{ TOSNET(COMM=u, NODE=1, NODES=ring); {words} }}")
+    with RtlBoard(spec) as board, Link(board.url) as link:
+        network = TosNetProxy(link)
+        end = time.monotonic() + 60
+        while not (status := network.status()).other_spec:
+            assert not status.online, "online with a node of another spec"
+            assert time.monotonic() < end, "the node is not found"
+        assert status.other_spec == 2
+        with pytest.raises(NetworkOffline, match="node 2 was built from another spec"):
+            network.write(0x84, 1)

@@ -88,6 +88,11 @@ def test_the_bridge_shows_the_ring_to_the_bus(ghdl: Any, slaves: int, seed: int)
     ghdl.run("tosnet_bridge_tb", slaves=slaves, rounds=3, seed=seed)
 
 
+@pytest.mark.parametrize("other_spec", [2, 3])
+def test_a_node_of_another_spec_is_refused_by_its_id(ghdl: Any, other_spec: int) -> None:
+    ghdl.run("tosnet_bridge_tb", slaves=2, rounds=1, watchdog_bits=3000, other_spec=other_spec)
+
+
 @pytest.mark.parametrize(("check_bytes", "seed"), [(1, 1), (2, 2)])
 def test_a_cut_of_one_of_two_rings_costs_no_cycle(ghdl: Any, check_bytes: int, seed: int) -> None:
     ghdl.run(

@@ -160,6 +160,11 @@ class TosNetProxy(CommittedProxy):
         what = "is halted until its reset" if status.system_halt else "is offline"
         pending = committed and status.commit_pending
         effect = "this write takes effect when it is back" if pending else "outputs take no effect"
+        if status.other_spec:
+            what = (
+                f"is refused: node {status.other_spec} was built from another spec. Generate its VHDL from "
+                "this spec, build it and load it"
+            )
         kind = NetworkHalted if status.system_halt else NetworkOffline
         return kind(
             f"the TosNet network {what} ({status}); {effect}", address=self.base + protocol.TOSNET_STATUS

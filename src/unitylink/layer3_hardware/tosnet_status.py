@@ -26,6 +26,7 @@ class TosNetStatus:
     network_sync: bool
     node_id: int
     node_address: int
+    other_spec: int  # the id of a node that was built from another spec; 0: none
     read_error: bool
     write_error: bool
     commit_aborted: bool  # memory was written while a commit was pending
@@ -46,6 +47,7 @@ class TosNetStatus:
             network_sync=bit(protocol.TOSNET_STATUS_NETWORK_SYNC_BIT),
             node_id=word >> protocol.TOSNET_STATUS_NODE_ID_SHIFT & 0xF,
             node_address=word >> protocol.TOSNET_STATUS_NODE_ADDRESS_SHIFT & 0xF,
+            other_spec=word >> protocol.TOSNET_STATUS_OTHER_SPEC_SHIFT & 0xF,
             read_error=bit(protocol.TOSNET_STATUS_READ_ERROR_BIT),
             write_error=bit(protocol.TOSNET_STATUS_WRITE_ERROR_BIT),
             commit_aborted=bit(protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT),

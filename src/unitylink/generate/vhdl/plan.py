@@ -142,6 +142,7 @@ class Tosnet:
     cycle_hz: int
     read_addresses: Vhdl
     write_addresses: Vhdl
+    spec_word: Vhdl  # from which spec bridge and nodes were built
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
     samples: int  # of the line in each clock; more than one come from a DDR or SERDES input
