@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The rings of the benches: who is in them.
+-- The rings of the benches: who is in them, and what a node has sent.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use work.tosnet_ring_pkg.all;
 
 package tosnet_bench_pkg is
 
@@ -16,6 +17,13 @@ package tosnet_bench_pkg is
 
   -- A ring of so many nodes. Its master is not the first one if it has more than two.
   function ring_of (nodes : positive; kind : string) return ring_t;
+
+  -- What the node has sent since the last look: hexadecimal digits, and "." or "!" for the end of a good or a poisoned
+  -- packet.
+  type sent_items_t is protected
+    procedure add (item : item_t);
+    impure function taken return string;
+  end protected;
 
 end package;
 
@@ -41,5 +49,28 @@ package body tosnet_bench_pkg is
     end loop;
     return result;
   end function;
+
+  type sent_items_t is protected body
+    variable text : string(1 to 400);
+    variable last : natural := 0;
+
+    procedure add (item : item_t) is
+    begin
+      if item = item_end or item = item_poison then
+        text(last + 1) := '.' when item = item_end else '!';
+        last := last + 1;
+      else
+        text(last + 1 to last + 2) := to_hstring(item(7 downto 0));
+        last := last + 2;
+      end if;
+    end procedure;
+
+    impure function taken return string is
+      constant result : string := text(1 to last);
+    begin
+      last := 0;
+      return result;
+    end function;
+  end protected body;
 
 end package body;

@@ -114,7 +114,7 @@ def test_the_model_answers_as_the_vhdl(ghdl: Any, tmp_path: Path, may_be_master:
         seen.add(node.phase)
         state = f"{node.phase is Phase.RUNNING:d}{node.master:d}"
         digits = bytes(packet.data).hex().upper()
-        lines.append(f"{digits} {'.!'[not packet.good]} {hexadecimal(sent) or '-'} {state}")
+        lines.append(f"{digits} {'.!'[not packet.good]} ={hexadecimal(sent)} {state}")
     assert len(seen) == 4, "the packets do not reach all phases"
     script = tmp_path / "script.txt"
     script.write_text("\n".join(lines) + "\n", encoding="ascii")
