@@ -269,7 +269,7 @@ begin
         std_ulogic_vector(to_unsigned(master_id, 4));
       status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c)
         := std_ulogic_vector(own_address);
-      status(tosnet_status_other_spec_shift_c + 3 downto tosnet_status_other_spec_shift_c)
+      status(tosnet_status_read_error_bit_c + 4 downto tosnet_status_read_error_bit_c + 1)
         := std_ulogic_vector(other_spec);
 
       good  := '0';

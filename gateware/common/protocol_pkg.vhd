@@ -132,7 +132,6 @@ package protocol_pkg is
   constant tosnet_status_network_sync_bit_c : natural := 27;
   constant tosnet_status_node_id_shift_c : natural := 20;
   constant tosnet_status_node_address_shift_c : natural := 16;
-  constant tosnet_status_other_spec_shift_c : natural := 9;
   constant tosnet_status_read_error_bit_c : natural := 8;
   constant tosnet_status_write_error_bit_c : natural := 7;
   constant tosnet_status_commit_aborted_bit_c : natural := 5;

@@ -308,7 +308,7 @@ begin
         wait for cycle_time / 10;
         wait until rising_edge(clock);
       end loop;
-      word := word srl tosnet_status_other_spec_shift_c;
+      word := word srl tosnet_status_read_error_bit_c + 1;
       check_equal(to_integer(unsigned(word(3 downto 0))), other_spec, "the node of another spec");
       report_passed("tosnet_bridge_tb");
       done <= true;

@@ -186,7 +186,6 @@ inline constexpr std::uint32_t status_system_halt_bit = 28;
 inline constexpr std::uint32_t status_network_sync_bit = 27;
 inline constexpr std::uint32_t status_node_id_shift = 20;
 inline constexpr std::uint32_t status_node_address_shift = 16;
-inline constexpr std::uint32_t status_other_spec_shift = 9;
 inline constexpr std::uint32_t status_read_error_bit = 8;
 inline constexpr std::uint32_t status_write_error_bit = 7;
 inline constexpr std::uint32_t status_commit_aborted_bit = 5;

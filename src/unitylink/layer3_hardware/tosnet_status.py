@@ -47,7 +47,7 @@ class TosNetStatus:
             network_sync=bit(protocol.TOSNET_STATUS_NETWORK_SYNC_BIT),
             node_id=word >> protocol.TOSNET_STATUS_NODE_ID_SHIFT & 0xF,
             node_address=word >> protocol.TOSNET_STATUS_NODE_ADDRESS_SHIFT & 0xF,
-            other_spec=word >> protocol.TOSNET_STATUS_OTHER_SPEC_SHIFT & 0xF,
+            other_spec=word >> protocol.TOSNET_STATUS_READ_ERROR_BIT + 1 & 0xF,
             read_error=bit(protocol.TOSNET_STATUS_READ_ERROR_BIT),
             write_error=bit(protocol.TOSNET_STATUS_WRITE_ERROR_BIT),
             commit_aborted=bit(protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT),
