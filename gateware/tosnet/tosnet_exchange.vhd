@@ -127,6 +127,7 @@ architecture rtl of tosnet_exchange is
   signal out_address    : std_ulogic_vector(9 downto 0);
   signal out_begin, out_next : std_ulogic;
   signal asked          : std_ulogic_vector(3 downto 0); -- the node in the slot that was sent
+  signal out_message    : std_ulogic; -- the slot has a message for it, which an answer without one leaves there
 
   function byte_of (bits : std_ulogic_vector(31 downto 0); lane : unsigned(1 downto 0)) return byte_t is
   begin
@@ -261,7 +262,7 @@ begin
           fresh         <= complete;
           foreign       <= good and stray;
           take_keep     <= complete and for_us;
-          told          <= complete and answered;
+          told          <= complete and answered and not out_message;
         end if;
       end if;
 
@@ -304,6 +305,7 @@ begin
         table_index => out_index, table_entry => out_entry, table_mask => out_mask,
         ready => walk_ready, finished => finished, address => out_address, lane => lane, own => own);
 
+    out_message    <= sends;
     out_item_valid <= to_bit(state /= quiet and state /= fetch and (state /= message or wait_clocks = 0));
     step           <= to_bit(state = put) and item_ready;
     out_begin      <= to_bit(state = head) and item_ready and sends;
@@ -418,6 +420,7 @@ begin
     out_begin      <= '0';
     out_next       <= '0';
     asked          <= "0000";
+    out_message    <= '0';
     sent           <= '0';
   end generate;
 
