@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 MASTER_DSC, MASTER_SET, NET_DSC, NET_SET, REG_DSC, REG_SET = 2, 3, 4, 5, 6, 7
@@ -144,7 +144,7 @@ class Ring:
     """Nodes in the order of the line, and the packets on the line behind each."""
 
     nodes: tuple[Node, ...]
-    lines: tuple[tuple[Packet, ...], ...] = field(default=())
+    lines: tuple[tuple[Packet, ...], ...]
 
     @classmethod
     def of(cls, ids: tuple[int, ...]) -> Ring:

@@ -49,9 +49,7 @@ void Tosnet::advance(Clock now) {
     skipped_ = static_cast<std::uint32_t>(std::min<Clock>(skipped_ + idle, 0xFFFFFFFFu));
     halted_ = halted_ || skipped_ > configuration_.max_skipped_writes;
   }
-  if (exchanged_) {
-    exchanged_(now);
-  }
+  exchange(now);
   to_nodes_.travel(passed);
   from_nodes_.travel(passed);
   stale_ = held_;
@@ -215,16 +213,22 @@ BusStatus Tosnet::preset(std::uint32_t address, std::uint32_t value, Clock now) 
   return BusStatus::ok;
 }
 
-void Tosnet::set_online(bool online, Clock now) {
-  advance(now);
-  if (online && !online_) {
-    restart();
-  }
-  const bool changed = online != online_;
-  online_ = online;
-  if (changed && exchanged_) {
+void Tosnet::exchange(Clock now) {
+  if (exchanged_) {
     exchanged_(now);
   }
+}
+
+void Tosnet::set_online(bool online, Clock now) {
+  advance(now);
+  if (online == online_) {
+    return;
+  }
+  if (online) {
+    restart();
+  }
+  online_ = online;
+  exchange(now);
 }
 
 bool Tosnet::set_node(std::uint32_t id, bool present, Clock now) {
@@ -237,9 +241,7 @@ bool Tosnet::set_node(std::uint32_t id, bool present, Clock now) {
   if (absent != absent_) {
     absent_ = absent;
     restart();
-    if (exchanged_) {
-      exchanged_(now);
-    }
+    exchange(now);
   }
   return true;
 }

@@ -97,6 +97,7 @@ class Tosnet final : public Bus {
 
   void show();
   void restart();
+  void exchange(Clock now);
   [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
   [[nodiscard]] std::uint32_t status() const noexcept;
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;

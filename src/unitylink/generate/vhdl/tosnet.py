@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.interface.components import constant_words
-from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import TOSNET_IN_BIT, TOSNET_NODE_SHIFT, TOSNET_REGISTER_SHIFT
 from unitylink.spec.model import Spec
 
@@ -56,7 +55,7 @@ def planned_tosnet(
         cycle_hz=round(1 / tosnet.cycle_s),
         read_addresses=_aggregate(_offsets(reads, tosnet.base), _NO_ADDRESSES),
         write_addresses=_aggregate(_offsets(writes, tosnet.base), _NO_ADDRESSES),
-        spec_word=Vhdl.of('x"{:08X}"', wire_hash(spec) & 0xFFFFFFFF or 1),
+        spec_word=Vhdl.of('x"{:08X}"', configuration.spec_hash & 0xFFFFFFFF or 1),
         reads=() if tosnet.ring else tuple(Wire(n, words.read[one], None) for n, one in enumerate(reads)),
         writes=() if tosnet.ring else tuple(Wire(n, None, words.write[one]) for n, one in enumerate(writes)),
         samples=samples,
