@@ -103,6 +103,12 @@ def test_an_array_travels_word_by_word() -> None:
     }
 
 
+def test_a_group_of_a_whole_component_has_what_travels() -> None:
+    spec = clean("e: quadrature_encoder() @position=0x80; g = e;")
+    (group,) = spec.root().groups
+    assert [one.path for one in group.elements] == ["e.position"]
+
+
 def test_what_travels_is_part_of_the_hash() -> None:
     one, two = (clean(f"e: quadrature_encoder() @position=0x8{n};") for n in (0, 1))
     fixed = clean("m: h_bridge(duty_bits=12) @control=0x84;")
@@ -125,6 +131,11 @@ def test_what_travels_is_part_of_the_hash() -> None:
             "e: quadrature_encoder() @position=0x80; @x = 0x81: READ(PUBLISH(on e.failed));",
             "UL102",
             "nothing has the event `e.failed`",
+        ),
+        (
+            "e: quadrature_encoder() @position=0x80; g = e.position, e.impossible;",
+            "UL110",
+            "`e.impossible` does not travel in the ring",
         ),
     ],
 )

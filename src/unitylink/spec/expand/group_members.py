@@ -12,6 +12,7 @@ from ..meaning.graph import MAX_ITEMS
 from ..meaning.notes import annotations_of
 from ..model import Element, Group, Instance, Member
 from ..text.syntax import GroupNode, Step
+from .node_parts import report_if_hidden
 
 Found = dict[str, list[Member]]  # by the declared name; that of an array has all members of the array
 
@@ -88,6 +89,8 @@ class GroupMaker:
         elements: list[Element] = []
         for member in reached:
             if isinstance(member, Element):
+                if len(steps) > 1:  # a component's own group goes without what does not travel
+                    report_if_hidden(member, steps[-1].name, self.reporter)
                 elements.append(member)
             else:
                 elements.extend(member.walk() if isinstance(member, Instance) else member.elements)

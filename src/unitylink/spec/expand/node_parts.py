@@ -11,7 +11,7 @@ from unitylink import protocol
 from ..model import Carried, Component, Element, Group, Instance, LinkBinding, Member
 from ..report.diagnostics import Reporter
 from ..ring import RingWord
-from ..text.syntax import ExpansionNode, Number
+from ..text.syntax import ExpansionNode, Name, Number
 from .vectors import Vector
 
 _NODE_BUS = "node"  # the kind of link of a word that does not travel, until the expansion is complete
@@ -21,6 +21,14 @@ _KEPT = ("READ", "WRITE", "READWRITE")  # a word of another access is an act, an
 def lies_in_node(link: LinkBinding) -> bool:
     """Are components behind this link parts of nodes of their own?"""
     return link.kind == "tosnet" and link.ring.nodes == "ring"
+
+
+def report_if_hidden(element: Element, name: Name, reporter: Reporter) -> None:
+    """Report a group that lists a word of a node's component by its name, and this word does not travel."""
+    if element.link.kind == _NODE_BUS:
+        message = f"`{element.path}` does not travel in the ring, so the PC has no such value"
+        hint = f"bind it to a word of its node, `@{name.text}=…`, or leave it out of the group"
+        reporter.report("UL110", name.start, name.end, message, hint)
 
 
 @dataclass
