@@ -67,6 +67,7 @@ entity tosnet_slave is
     online     : in std_ulogic           := '1';
     damaged    : in std_ulogic           := '0';
     other_spec : in unsigned(3 downto 0) := "0000"; -- the id of a node that was built from another spec
+    rings_down : in std_ulogic_vector(1 downto 0) := "00"; -- of a network of two rings: which one does not run
     network_cycle : in  std_ulogic := '0';
     is_master     : in  std_ulogic := '1';
     own_address   : in  unsigned(3 downto 0) := "0000"; -- in the ring
@@ -265,10 +266,8 @@ begin
         tosnet_status_read_frozen_bit_c    => in_block,
         tosnet_status_commit_pending_bit_c => commit_pending,
         others                             => '0');
-      status(tosnet_status_node_id_shift_c + 3 downto tosnet_status_node_id_shift_c) :=
-        std_ulogic_vector(to_unsigned(master_id, 4));
-      status(tosnet_status_node_address_shift_c + 3 downto tosnet_status_node_address_shift_c)
-        := std_ulogic_vector(own_address);
+      status(tosnet_status_node_id_shift_c + 5 downto tosnet_status_node_address_shift_c) :=
+        rings_down & std_ulogic_vector(to_unsigned(master_id, 4)) & std_ulogic_vector(own_address);
       status(tosnet_status_read_error_bit_c + 4 downto tosnet_status_read_error_bit_c + 1)
         := std_ulogic_vector(other_spec);
 

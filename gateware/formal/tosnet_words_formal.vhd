@@ -62,7 +62,7 @@ begin
       apart_clocks => apart_clocks)
     port map (
       clock => clk, reset => reset, from_nodes => from_nodes, send_words => send_words, exchange => exchange,
-      missing => missing, read_words => read_words, write_words => write_words);
+      missing => missing, lacks => open, read_words => read_words, write_words => write_words);
 
   write_words <= (given, not given);
 

@@ -49,7 +49,7 @@ begin
       safe_values => (0 => safe_word), rings => rings, apart_clocks => apart_clocks)
     port map (
       clock => clock, reset => reset, from_nodes => from_nodes, send_words => send_words, exchange => exchange,
-      missing => missing, read_words => read_words, write_words => write_words);
+      missing => missing, lacks => open, read_words => read_words, write_words => write_words);
 
   play : process is
 

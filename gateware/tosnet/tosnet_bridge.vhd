@@ -8,8 +8,9 @@
 -- Online    The ring runs, this node is its master, and every word of read_addresses comes. The status says which of
 --           the first two is not so, and the network registers say which node or register is absent. While it is low,
 --           nothing is exchanged and commits wait.
--- Rings     One, or two for redundancy (tosnet_rings): then the ports second_... are those of the second one, and one
---           ring that runs is enough to be online. A cycle that is damaged in either is counted.
+-- Rings     One, or two for redundancy (tosnet_rings), the first in the low bits of line_in and line_out. One ring that
+--           runs is enough to be online, and the status tells which one does not. A cycle that is damaged in either is
+--           counted.
 -- Spec      With spec_word, the bridge is online when all members have answered it once, and none has told another spec
 --           than this one. The status names a node that has. A node that does not tell, as one of 2010, passes.
 -- Cycle     `cycle` is high for one clock in each cycle of the ring whose words are good. So an event group on it
@@ -55,22 +56,17 @@ entity tosnet_bridge is
     reset        : in  std_ulogic; -- synchronous
     wishbone_m2s : in  wishbone_m2s_t;
     wishbone_s2m : out wishbone_s2m_t;
-    line_in      : in  std_ulogic_vector(samples_per_clock - 1 downto 0); -- of `clock`: from a synchroniser
-    line_out     : out std_ulogic;
+    line_in      : in  std_ulogic_vector(rings * samples_per_clock - 1 downto 0); -- of `clock`: from a synchroniser
+    line_out     : out std_ulogic_vector(rings - 1 downto 0);
 
     cycle     : out std_ulogic;
     committed : out std_ulogic;
     halted    : out std_ulogic;
     online    : out std_ulogic;
-    trouble   : out trouble_t;
+    troubles  : out trouble_vector_t(0 to rings - 1);
 
     time_valid : out std_ulogic; -- tosnet_clock
-    time_bits  : out unsigned(31 downto 0);
-
-    second_line_in  : in  std_ulogic_vector(samples_per_clock - 1 downto 0) := (others => '0');
-    second_line_out : out std_ulogic;
-    second_running  : out std_ulogic;
-    second_trouble  : out trouble_t
+    time_bits  : out unsigned(31 downto 0)
   );
 end entity;
 
@@ -79,10 +75,8 @@ architecture rtl of tosnet_bridge is
   signal running, is_master, damaged, exchange, missing : std_ulogic;
   signal own_address, nodes, table_index : unsigned(3 downto 0);
   signal table_entry, table_mask         : std_ulogic_vector(7 downto 0);
-  signal entries      : std_ulogic_vector(rings * samples_per_clock - 1 downto 0);
-  signal exits        : std_ulogic_vector(rings - 1 downto 0);
   signal each_running : std_ulogic_vector(rings - 1 downto 0);
-  signal each_trouble : trouble_vector_t(0 to rings - 1);
+  signal rings_down   : std_ulogic_vector(1 downto 0) := "00";
   signal judged      : std_ulogic;
   signal other_spec  : unsigned(3 downto 0);
   signal write_words : word_vector_t(0 to write_addresses'length - 1);
@@ -104,9 +98,9 @@ begin
     port map (
       clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
       cycle => cycle, committed => committed, halted => halted, write_words => write_words, read_words => read_words,
-      online => online, damaged => damaged, other_spec => other_spec, network_cycle => exchange, is_master => is_master,
-      own_address => own_address, ring_nodes => nodes, table_index => table_index, table_entry => table_entry,
-      table_mask => table_mask,
+      online => online, damaged => damaged, other_spec => other_spec, rings_down => rings_down,
+      network_cycle => exchange, is_master => is_master, own_address => own_address, ring_nodes => nodes,
+      table_index => table_index, table_entry => table_entry, table_mask => table_mask,
       to_node_valid => to_valid, to_node_ready => to_ready, to_node_data => to_data, to_node_last => to_last,
       to_node_id => to_id, from_node_valid => from_valid, from_node_ready => from_ready, from_node_data => from_data,
       from_node_last => from_last, from_node_id => from_id);
@@ -119,9 +113,9 @@ begin
       watchdog_bits => watchdog_bits, channel => async_depth > 0, check_bytes => check_bytes,
       exact_hops => exact_hops, line_clocks => line_clocks, spec_word => spec_word)
     port map (
-      clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
+      clock => clock, reset => reset, line_in => line_in, line_out => line_out, running => running,
       rings_running => each_running, is_master => is_master, own_address => own_address, nodes => nodes,
-      troubles => each_trouble, damaged => damaged, strobe => open, exchange => exchange, missing => missing,
+      troubles => troubles, damaged => damaged, strobe => open, exchange => exchange, missing => missing,
       read_words => read_words, write_words => write_words, judged => judged, other_spec => other_spec,
       time_valid => time_valid, time_bits => time_bits,
       table_index => table_index, table_entry => table_entry, table_mask => table_mask,
@@ -129,21 +123,9 @@ begin
       to_ring_id => to_id, from_ring_valid => from_valid, from_ring_ready => from_ready, from_ring_data => from_data,
       from_ring_last => from_last, from_ring_id => from_id);
 
-  entries(samples_per_clock - 1 downto 0) <= line_in;
-  line_out                                <= exits(0);
-  trouble                                 <= each_trouble(0);
-
-  second : if rings = 2 generate
-    entries(2 * samples_per_clock - 1 downto samples_per_clock) <= second_line_in;
-    second_line_out <= exits(1);
-    second_running  <= each_running(1);
-    second_trouble  <= each_trouble(1);
-  end generate;
-
-  no_second : if rings = 1 generate
-    second_line_out <= '0';
-    second_running  <= '0';
-    second_trouble  <= trouble_none;
+  -- Of a single ring, ONLINE tells all.
+  redundant : if rings = 2 generate
+    rings_down <= not each_running;
   end generate;
 
 end architecture;

@@ -11,12 +11,13 @@
 -- In step   The master sends into both rings at the same moment. If a packet comes back a hop later than that of the
 --           other ring, it counts as lost. Then the next cycle begins two hops later. A ring that starts again waits
 --           for the other one's next packet.
--- Running   At least one ring runs. rings_running tells which.
+-- Running   At least one ring runs. rings_running tells which ones have brought all words of read_addresses.
 -- Strobe    That of the first ring, or of the second one while the first does not run. So are own_address, nodes and
 --           the table.
 -- Channel   Messages go through the first ring.
--- Spec      With spec_word, a master waits until each member of a ring has answered it once, and tells by `judged`. If
---           a member tells another word than spec_word, other_spec is its id, until that ring stops.
+-- Spec      With spec_word, a master waits until each member has answered it once, in any ring, since it is in one that
+--           runs, and tells by `judged`. So a ring that starts again or stops does not stop the other one. If a member
+--           tells another word than spec_word, other_spec is its id, until that ring stops.
 -- Time      With time_address below 1024, the rings share a clock (tosnet_clock), whose OUT word is there.
 -- Reset     All words are zero, but for those with a safe value, and the nodes join their rings.
 
@@ -110,7 +111,9 @@ architecture rtl of tosnet_rings is
   signal told_id        : ids_t(0 to rings - 1);
   signal told_word      : word_vector_t(0 to rings - 1);
   signal members        : members_t(0 to rings - 1);
-  signal answered       : members_t(0 to rings - 1); -- the members that have answered
+  signal in_any         : std_ulogic_vector(15 downto 0) := (others => '0'); -- the members of rings that run
+  signal lacks          : std_ulogic_vector(0 to rings - 1);
+  signal answered       : std_ulogic_vector(15 downto 0) := (others => '0'); -- … that have answered in one of them
   signal other          : fours_t(0 to rings - 1);   -- one that has told another
   signal sees           : natural range 0 to rings - 1; -- the ring whose strobe the user has
 
@@ -168,7 +171,7 @@ begin
         from_ring_ready => own_from_ready, from_ring_data => own_from_data, from_ring_last => own_from_last,
         from_ring_id => own_from_id, message_lost => open);
 
-    rings_running(number) <= from_nodes(number).running;
+    rings_running(number) <= from_nodes(number).running and not lacks(number);
 
     messages : if number = 0 generate
       to_ring_ready   <= own_to_ready;
@@ -226,39 +229,46 @@ begin
 
   end generate;
 
+  find_members : process (all) is
+    variable found : std_ulogic_vector(15 downto 0);
+  begin
+    found := (others => '0');
+    for number in 0 to rings - 1 loop
+      if from_nodes(number).running = '1' then
+        found := found or members(number);
+      end if;
+    end loop;
+    in_any <= found;
+  end process;
+
   compare : process (clock) is
   begin
     if rising_edge(clock) then
+      answered <= answered and in_any;
       for number in 0 to rings - 1 loop
         if told(number) = '1' then
-          answered(number)(to_integer(unsigned(told_id(number)))) <= '1';
+          answered(to_integer(unsigned(told_id(number)))) <= '1';
           if unsigned(told_word(number)) /= 0 and told_word(number) /= spec_word then
             other(number) <= unsigned(told_id(number));
           end if;
         end if;
         if from_nodes(number).running = '0' then
-          answered(number)     <= (others => '0');
-          answered(number)(id) <= '1';
-          other(number)        <= "0000";
+          other(number) <= "0000";
         end if;
       end loop;
+      answered(id) <= '1';
     end if;
   end process;
 
   judge : process (all) is
-    variable all_answered : std_ulogic;
   begin
-    all_answered := '1';
-    other_spec   <= "0000";
+    other_spec <= "0000";
     for number in 0 to rings - 1 loop
-      if from_nodes(number).running = '1' then
-        all_answered := all_answered and not (or (members(number) and not answered(number)));
-        if other(number) /= 0 then
-          other_spec <= other(number);
-        end if;
+      if from_nodes(number).running = '1' and other(number) /= 0 then
+        other_spec <= other(number);
       end if;
     end loop;
-    judged <= all_answered or to_bit(unsigned(spec_word) = 0);
+    judged <= not (or (in_any and not answered)) or to_bit(unsigned(spec_word) = 0);
   end process;
 
   is_master   <= from_nodes(sees).is_master;
@@ -274,7 +284,7 @@ begin
       safe_values => safe_values, rings => rings, apart_clocks => 2 * hop_clocks)
     port map (
       clock => clock, reset => reset, from_nodes => from_nodes, send_words => send_words, exchange => exchange,
-      missing => missing, read_words => read_words, write_words => write_words);
+      missing => missing, lacks => lacks, read_words => read_words, write_words => write_words);
 
   no_clock : if time_address = 1024 generate
     words_to_send <= send_words;

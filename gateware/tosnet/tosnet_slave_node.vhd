@@ -8,7 +8,7 @@
 --           words, at write_addresses. docs/gateware/tosnet_words.md tells when they change.
 -- Safe      While `running` is low, no PC commands this node. Then the words of safe_addresses have their safe_values.
 --           The PC's program ends and the ring goes on? Then the PC's dead-man writes them.
--- Rings     One, or two for redundancy (tosnet_rings): then the ports second_... are those of the second one.
+-- Rings     One, or two for redundancy (tosnet_rings). The first one is in the low bits of line_in and line_out.
 -- Reset     All words are zero, but for those with a safe value, and the node joins the ring.
 
 library ieee;
@@ -42,30 +42,20 @@ entity tosnet_slave_node is
   port (
     clock       : in  std_ulogic;
     reset       : in  std_ulogic; -- synchronous
-    line_in     : in  std_ulogic_vector(samples_per_clock - 1 downto 0); -- of `clock`: from a synchroniser
-    line_out    : out std_ulogic;
+    line_in     : in  std_ulogic_vector(rings * samples_per_clock - 1 downto 0); -- of `clock`: from a synchroniser
+    line_out    : out std_ulogic_vector(rings - 1 downto 0);
     running     : out std_ulogic; -- any ring
     strobe      : out std_ulogic;
     exchange    : out std_ulogic; -- read_words are new
-    trouble     : out trouble_t;
+    troubles    : out trouble_vector_t(0 to rings - 1);
     read_words  : out word_vector_t(0 to read_addresses'length - 1);
     write_words : in  word_vector_t(0 to write_addresses'length - 1);
     time_valid  : out std_ulogic; -- tosnet_clock
-    time_bits   : out unsigned(31 downto 0);
-
-    second_line_in  : in  std_ulogic_vector(samples_per_clock - 1 downto 0) := (others => '0');
-    second_line_out : out std_ulogic;
-    second_running  : out std_ulogic;
-    second_trouble  : out trouble_t
+    time_bits   : out unsigned(31 downto 0)
   );
 end entity;
 
 architecture rtl of tosnet_slave_node is
-
-  signal entries       : std_ulogic_vector(rings * samples_per_clock - 1 downto 0);
-  signal exits         : std_ulogic_vector(rings - 1 downto 0);
-  signal each_running  : std_ulogic_vector(rings - 1 downto 0);
-  signal each_trouble  : trouble_vector_t(0 to rings - 1);
 
 begin
 
@@ -78,29 +68,12 @@ begin
       check_bytes => check_bytes, exact_hops => exact_hops, line_clocks => line_clocks,
       spec_word => spec_word)
     port map (
-      clock => clock, reset => reset, line_in => entries, line_out => exits, running => running,
-      rings_running => each_running, is_master => open, own_address => open, nodes => open, troubles => each_trouble,
+      clock => clock, reset => reset, line_in => line_in, line_out => line_out, running => running,
+      rings_running => open, is_master => open, own_address => open, nodes => open, troubles => troubles,
       damaged => open, strobe => strobe, exchange => exchange, missing => open, read_words => read_words,
       write_words => write_words,
       judged => open, other_spec => open, time_valid => time_valid, time_bits => time_bits, table_entry => open,
       table_mask => open, to_ring_ready => open, from_ring_valid => open, from_ring_data => open,
       from_ring_last => open, from_ring_id => open);
-
-  entries(samples_per_clock - 1 downto 0) <= line_in;
-  line_out                                <= exits(0);
-  trouble                                 <= each_trouble(0);
-
-  second : if rings = 2 generate
-    entries(2 * samples_per_clock - 1 downto samples_per_clock) <= second_line_in;
-    second_line_out <= exits(1);
-    second_running  <= each_running(1);
-    second_trouble  <= each_trouble(1);
-  end generate;
-
-  no_second : if rings = 1 generate
-    second_line_out <= '0';
-    second_running  <= '0';
-    second_trouble  <= trouble_none;
-  end generate;
 
 end architecture;

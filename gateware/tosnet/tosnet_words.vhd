@@ -46,6 +46,7 @@ entity tosnet_words is
 
     exchange    : out std_ulogic;
     missing     : out std_ulogic;
+    lacks       : out std_ulogic_vector(0 to rings - 1) := (others => '1'); -- … of each ring
     read_words  : out word_vector_t(0 to read_addresses'length - 1);
     write_words : in  word_vector_t(0 to write_addresses'length - 1)
   );
@@ -63,7 +64,6 @@ architecture rtl of tosnet_words is
 
   signal hidden  : sets_t;  -- of the cycle that is under way
   signal came    : flags_t;
-  signal lacks   : std_ulogic_vector(0 to rings - 1); -- not all words came in the last good cycle
   signal since   : natural range 0 to apart_clocks := 0; -- clocks in which the other ring's set may come
   signal sending : word_vector_t(write_map'range);
   signal passed  : std_ulogic_vector(2 downto 0);  -- clocks since the strobe

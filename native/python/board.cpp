@@ -106,6 +106,7 @@ DeviceConfiguration configuration_of(nb::handle object) {
     result.tosnet.master_registers = byte(tosnet, "master_registers");
     result.tosnet.cycle_clocks = word(tosnet, "cycle_clocks");
     result.tosnet.max_skipped_writes = word(tosnet, "max_skipped_writes");
+    result.tosnet.rings = byte(tosnet, "rings");
     for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
       result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
     }
@@ -405,6 +406,7 @@ void bind_board(nb::module_& module) {
       .def("look", &look_at_pin<PythonBoard>, nb::arg("component"), nb::arg("pin"),
            "(level, rises, steps, high_s, time_s) of an output pin, or None.")
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
+      .def("set_ring", &Board::set_ring, nb::arg("ring"), nb::arg("whole"), Release())
       .def("set_node", &Board::set_node, nb::arg("id"), nb::arg("present"), Release())
       .def(
           "async_take",

@@ -119,6 +119,71 @@ def test_a_broken_ring_makes_nodes_safe_on_the_twin_and_in_the_gateware() -> Non
     assert safe_when_broken(RtlBoard(spec)) == safe_when_broken(Board(spec)) == [123, 0, 123]
 
 
+# two rings, a wider check, and a clock that the nodes share
+TWO_RINGS = WORDS.replace("NODES=ring", "NODES=ring, RINGS=2, CHECK_BYTES=2, TIME=0x43")
+
+
+def with_one_of_two_rings(board: Board) -> list[tuple[str, int | None]]:
+    """Cut each ring, and both, and mend them. While one runs, words travel, and nodes obey."""
+    told: list[tuple[str, int | None]] = []
+    with board, Link(f"{board.url}?timeout=10") as link:
+        online(link)
+        proxy = TosNetProxy(link)
+        until(lambda: proxy.status().rings_down == ())
+        watch = proxy.watch([2, 3, 4, 5])
+        told += [(one.kind, one.node) for one in watch.look()]
+
+        def expect(count: int) -> None:
+            def enough() -> bool:
+                told.extend((one.kind, one.node) for one in watch.look())
+                return len(told) >= count
+
+            until(enough)
+
+        def without(ring: int) -> None:
+            resets = proxy.counters().resets
+            board.set_ring(ring, False)
+            expect(2 * ring + 1)
+            for joint in JOINTS:
+                link.write(joint * 64 + 4, 100 + ring)
+                link.write(joint * 64 + 5, 7)
+            committed(link)
+            until(lambda: all(link.read(joint * 64) == 100 + ring for joint in JOINTS))
+            assert all(board.registers[joint * 64 + 5] == 7 for joint in JOINTS)
+            board.set_ring(ring, True)
+            expect(2 * ring + 2)
+            assert proxy.counters().resets == resets
+
+        without(0)
+        without(1)
+        board.set_online(False)
+        expect(5)
+        until(lambda: all(board.registers[joint * 64 + 5] == 0 for joint in JOINTS))
+        board.set_online(True)
+        expect(6)
+        return told[:6]
+
+
+def test_one_of_two_rings_is_enough_on_the_twin_and_in_the_gateware() -> None:
+    spec = compiled(TWO_RINGS)
+    told = with_one_of_two_rings(Board(spec, plant=Joints()))
+    assert told == with_one_of_two_rings(RtlBoard(spec, plant=Joints()))
+    cuts = [(kind, ring) for ring in (0, 1) for kind in ("ring_lost", "ring_back")]
+    assert told == [*cuts, ("offline", None), ("online", None)]
+
+
+def test_the_options_of_a_ring_are_in_all_its_nodes(designs: Any) -> None:
+    spec = compiled(TWO_RINGS)
+    texts = planned_files(SpecPlan(spec, BoardConfiguration.for_spec(spec)), ["vhdl"])
+    library = designs.library(spec)
+    for entity in ("ring_node_2", "ring_design"):
+        generics = dict(re.findall(r"(\w+)\s*=> ([\w#]+)[,)]", texts[f"vhdl/{entity}.vhd"]))
+        names = ("rings", "check_bytes", "exact_hops", "time_address")
+        assert [generics[name] for name in names] == ["2", "2", "true", "16#043#"]
+    for entity in ("ring_node_2", "ring_top"):
+        assert f"entity {entity}" in library.synthesise(entity, HARMLESS)
+
+
 class Nothing:
     period_s = 1e-3
 

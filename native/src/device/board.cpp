@@ -382,6 +382,12 @@ void Board::set_online(bool online) {
   }
 }
 
+bool Board::set_ring(std::uint32_t ring, bool whole) {
+  const auto lock = enter();
+  Tosnet* tosnet = device_->tosnet();
+  return tosnet != nullptr && tosnet->set_ring(ring, whole, device_->clock());
+}
+
 bool Board::set_node(std::uint32_t id, bool present) {
   const auto lock = enter();
   Tosnet* tosnet = device_->tosnet();

@@ -94,7 +94,8 @@ class Board : private Lockstep::Member {
   void play(std::uint32_t component, std::uint32_t pin, const PinLevels& levels);
   std::optional<PinLevels> edges(std::uint32_t component, std::uint32_t pin);
   std::optional<SeenPin> look(std::uint32_t component, std::uint32_t pin);
-  void set_online(bool online);  // this call and the next two are for the TosNet
+  void set_online(bool online);  // this call and the next three are for the TosNet
+  bool set_ring(std::uint32_t ring, bool whole);
   bool set_node(std::uint32_t id, bool present);
   void damage_cycle();
   BoardStatistics statistics();

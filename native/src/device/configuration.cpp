@@ -78,6 +78,9 @@ std::string DeviceConfiguration::problem() const {
     if (tosnet.cycle_clocks == 0) {
       return "tosnet.cycle_clocks is 0; choose the length of a network cycle in clock cycles";
     }
+    if (tosnet.rings < 1 || tosnet.rings > 2) {
+      return "tosnet.rings is " + std::to_string(tosnet.rings) + "; choose 1 or 2";
+    }
     std::uint32_t seen = 1u << (tosnet.master_id & 15u);
     if (tosnet.master_id > 15) {
       return "tosnet.master_id is " + std::to_string(tosnet.master_id) + "; choose 0 to 15";

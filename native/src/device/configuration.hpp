@@ -39,6 +39,7 @@ struct TosnetConfiguration {
   std::uint8_t master_registers = 0xFF;
   std::uint32_t cycle_clocks = 5000;     // one network cycle: 100 us at 50 MHz
   std::uint32_t max_skipped_writes = 0;  // after so many cycles without a commit the system halts; 0: never
+  std::uint8_t rings = 1;                // that carry the same words; the network runs while one of them does
   std::vector<TosnetNode> nodes;
   std::vector<SafeValue> node_safe;  // what nodes of a ring see there while it is broken
   // the group whose event input each cycle drives; its edge counts

@@ -86,6 +86,7 @@ bool Tosnet::writable(std::uint32_t address) const noexcept {
 std::uint32_t Tosnet::status() const noexcept {
   return bit(online_, map::status_online_bit) | bit(online_, map::status_master_bit) |
          bit(damaged_, map::status_packet_error_bit) | bit(halted_, map::status_system_halt_bit) |
+         (configuration_.rings > 1 ? rings_down_ << (map::status_node_id_shift + 4) : 0u) |
          static_cast<std::uint32_t>(configuration_.master_id) << map::status_node_id_shift |
          0u << map::status_node_address_shift |  // the master is first in the ring
          bit(read_refused_, map::status_read_error_bit) | bit(write_refused_, map::status_write_error_bit) |
@@ -219,8 +220,20 @@ void Tosnet::exchange(Clock now) {
   }
 }
 
-void Tosnet::set_online(bool online, Clock now) {
+void Tosnet::set_online(bool online, Clock now) { set_rings_down(online ? 0 : all_rings(), now); }
+
+bool Tosnet::set_ring(std::uint32_t ring, bool whole, Clock now) {
+  if (ring >= configuration_.rings) {
+    return false;
+  }
+  set_rings_down(whole ? rings_down_ & ~(1u << ring) : rings_down_ | 1u << ring, now);
+  return true;
+}
+
+void Tosnet::set_rings_down(std::uint32_t down, Clock now) {
   advance(now);
+  rings_down_ = down;
+  const bool online = down != all_rings();
   if (online == online_) {
     return;
   }

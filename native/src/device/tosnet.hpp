@@ -74,6 +74,8 @@ class Tosnet final : public Bus {
 
   // The network breaks (no strobes, ONLINE = 0, commits stay pending), or comes back (reset counter + 1).
   void set_online(bool online, Clock now);
+  // One of the rings breaks, or is whole again. The network is online while one is. False: there is no such ring.
+  bool set_ring(std::uint32_t ring, bool whole, Clock now);
   // A node leaves the ring, or comes back. The others find their ring anew (reset counter + 1). Meanwhile the PC reads
   // the node's last words. False: there is no such node.
   bool set_node(std::uint32_t id, bool present, Clock now);
@@ -96,6 +98,8 @@ class Tosnet final : public Bus {
   using Bank = std::array<std::uint32_t, protocol::tosnet::memory_words>;
 
   void show();
+  void set_rings_down(std::uint32_t down, Clock now);
+  [[nodiscard]] std::uint32_t all_rings() const noexcept { return (1u << configuration_.rings) - 1; }
   void restart();
   void exchange(Clock now);
   [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
@@ -115,7 +119,8 @@ class Tosnet final : public Bus {
   std::uint32_t resets_ = 0;
   std::uint32_t errors_ = 0;
   std::uint32_t skipped_ = 0;
-  std::uint32_t absent_ = 0;  // bit i: the node with the id i has left
+  std::uint32_t rings_down_ = 0;  // bit i: ring i is broken
+  std::uint32_t absent_ = 0;      // bit i: the node with the id i has left
   bool online_ = true;
   bool halted_ = false;
   bool damaged_ = false;

@@ -57,6 +57,10 @@ class TosnetConfiguration:
     nodes: tuple[TosnetNode, ...] = ()
     ring: str = ""  # "": no line; "pins": to nodes of their own; "inside": to nodes in the same simulation
     line_baud_hz: int = TOSNET_RING_BAUD_HZ
+    rings: int = 1
+    check_bytes: int = 1
+    exact_hops: bool = False
+    time: int | None = None  # the OUT word that carries the clock of the ring
     node_safe: tuple[tuple[int, int], ...] = ()  # (offset, word): what its nodes see while a ring is broken
     clock_hz: int = CLOCK_HZ_DEFAULT
     event_group: int | None = None
@@ -404,6 +408,10 @@ def _tosnet_of(spec: Spec) -> TosnetConfiguration:
         nodes=tuple(TosnetNode(node.id, node.registers) for node in ring.nodes if node.id),
         ring="pins" if ring.options.nodes == "ring" else "",
         line_baud_hz=ring.baud_hz,
+        rings=ring.options.rings,
+        check_bytes=ring.options.check_bytes,
+        exact_hops=ring.options.exact_hops,
+        time=ring.options.time,
         node_safe=tuple((address - ring.base, word) for address, word in safe if address in own),
         event_group=next((g.number for d in spec.devices for g in d.groups if g.event == CYCLE), None),
     )

@@ -31,15 +31,19 @@ class Network(Protocol):
         """Read the list of the nodes that are in the ring, in ring order."""
 
 
+NetworkEventKind = Literal["offline", "online", "halted", "node_lost", "node_back", "ring_lost", "ring_back"]
+
+
 @dataclass(frozen=True)
 class NetworkEvent:
     """An event of a TosNet network. `error` is what a write would raise, or None for good news."""
 
-    kind: Literal["offline", "online", "halted", "node_lost", "node_back"]
+    kind: NetworkEventKind
     """`offline`: nothing is exchanged. `online`: it is again, or it was away for a moment. `halted`: too many
-    cycles had no commit. `node_lost`: a node is not in the ring. `node_back`: it is there again."""
+    cycles had no commit. `node_lost`: a node is not in the ring. `node_back`: it is there again. `ring_lost`:
+    one of two rings is broken, and the other one goes on. `ring_back`: both run again."""
     node: int | None
-    """The node's id, of `node_lost` and `node_back`."""
+    """The node's id, of `node_lost` and `node_back`; the ring, 0 or 1, of `ring_lost` and `ring_back`."""
     time_s: float
     """When it was seen, by `Link.now_s()`."""
     text: str
@@ -72,6 +76,7 @@ class NetworkWatch:
         self._there = {*wholes("tosnet: nodes", nodes)}
         self._status = TosNetStatus.decode(1 << protocol.TOSNET_STATUS_ONLINE_BIT)
         self._resets: int | None = None
+        self._rings_down: set[int] = set()
 
     def look(self) -> list[NetworkEvent]:
         """Return what has happened since the last look. An error of the link is raised."""
@@ -89,10 +94,22 @@ class NetworkWatch:
                 found.append(self._event("online", None, "the network has found its ring anew"))
             found += self._compare({node.node_id for node in network.nodes()}, first=first)
             self._resets = resets
+        if status.online:
+            found += self._compare_rings(set(status.rings_down))
         if status.system_halt and not before.system_halt:
             text = "too many cycles had no commit; the network is halted until its reset"
             found.append(self._event("halted", None, text, NetworkHalted))
         return found
+
+    def _compare_rings(self, down: set[int]) -> list[NetworkEvent]:
+        """Compare the rings of a network that is online: at most one of its two is down."""
+        before, self._rings_down = self._rings_down, down
+        lost_ones = [
+            self._event("ring_lost", ring, f"ring {ring} is broken, and the other one goes on", NetworkError)
+            for ring in sorted(down - before)
+        ]
+        back = sorted(before - down)
+        return lost_ones + [self._event("ring_back", ring, f"ring {ring} runs again") for ring in back]
 
     def _compare(self, there: set[int], *, first: bool) -> list[NetworkEvent]:
         before, self._there = self._there, there
@@ -110,7 +127,7 @@ class NetworkWatch:
 
     def _event(
         self,
-        kind: Literal["offline", "online", "halted", "node_back"],
+        kind: NetworkEventKind,
         node: int | None,
         text: str,
         error: type[NetworkError] | None = None,

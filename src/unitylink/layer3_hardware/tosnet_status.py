@@ -17,6 +17,8 @@ class TosNetStatus:
     (True, 1, True)
     >>> print(status)
     online, master, node 1 at ring address 1, commit pending
+    >>> print(TosNetStatus.decode(0xC2100000))
+    online, master, node 1 at ring address 0, ring 1 down
     """
 
     online: bool
@@ -26,6 +28,7 @@ class TosNetStatus:
     network_sync: bool
     node_id: int
     node_address: int
+    rings_down: tuple[int, ...]  # of a network of two rings: those that do not run, 0 and 1
     other_spec: int  # the id of a node that was built from another spec; 0: none
     read_error: bool
     write_error: bool
@@ -47,6 +50,7 @@ class TosNetStatus:
             network_sync=bit(protocol.TOSNET_STATUS_NETWORK_SYNC_BIT),
             node_id=word >> protocol.TOSNET_STATUS_NODE_ID_SHIFT & 0xF,
             node_address=word >> protocol.TOSNET_STATUS_NODE_ADDRESS_SHIFT & 0xF,
+            rings_down=tuple(ring for ring in (0, 1) if bit(protocol.TOSNET_STATUS_NODE_ID_SHIFT + 4 + ring)),
             other_spec=word >> protocol.TOSNET_STATUS_READ_ERROR_BIT + 1 & 0xF,
             read_error=bit(protocol.TOSNET_STATUS_READ_ERROR_BIT),
             write_error=bit(protocol.TOSNET_STATUS_WRITE_ERROR_BIT),
@@ -67,6 +71,7 @@ class TosNetStatus:
             "commit_aborted",
             "commit_pending",
         )
+        words += [f"ring {ring} down" for ring in self.rings_down]
         words += [flag.replace("_", " ") for flag in flags if getattr(self, flag)]
         return ", ".join(words)
 

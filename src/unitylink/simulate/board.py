@@ -243,6 +243,14 @@ class Board:
         """Break the TosNet network, or mend it. Meanwhile nothing is exchanged, and commits stay pending."""
         self._native.set_online(online)
 
+    def set_ring(self, ring: int, whole: bool) -> None:
+        """Break one of the rings of the TosNet network, 0 or 1, or mend it.
+
+        The network runs while a ring does. The spec says how many there are, `RINGS=2`.
+        """
+        if not (0 <= ring < 2 and self._native.set_ring(ring, whole)):
+            raise ValueRangeError(f"ring {ring}: the board has no TosNet with such a ring; see RINGS")
+
     def set_node(self, node: int, present: bool) -> None:
         """Let a node of the TosNet network leave, or come back. The others find their ring anew.
 

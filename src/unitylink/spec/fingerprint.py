@@ -13,6 +13,7 @@ from .model import Element, Group, Instance, Link, RingOptions
 from .types import ValueType
 
 _FORMAT = "unity-link spec 1"  # changes whenever the lines below change their form
+_PLAIN_RING = (1, 1, None)
 _PLAIN = ("", 1, 0, None, None, "error", None, None)  # the facts of an element without new properties
 
 
@@ -41,6 +42,8 @@ def _lines(instance: Instance) -> Iterator[str]:
     more = f" {link.size} {link.link}" if link.size or link.link else ""
     if link.ring != RingOptions():
         more += f" ring {link.ring.node} {link.ring.baud_hz} {link.ring.cycle_hz}"
+        options = link.ring.rings, link.ring.check_bytes, link.ring.time
+        more += "" if options == _PLAIN_RING else f" {options}"
         more += "" if link.ring.nodes == "inside" else f" nodes {link.ring.nodes}"
     yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
     part = instance.component

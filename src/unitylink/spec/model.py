@@ -68,13 +68,22 @@ class RingOptions:
 
     `node` is the PC's own node, `baud_hz` the line rate between nodes, and `cycle_hz` the rate of the network
     cycle. `nodes` is one of TOSNET_NODES: "ring" for nodes of their own behind a line, "inside" for logic in
-    the PC's FPGA that takes their place.
+    the PC's FPGA that takes their place. There are `rings` rings. The check of a packet has `check_bytes`
+    bytes. `time` is the OUT word of the PC's node that carries the clock of the ring.
     """
 
     node: int | None = None
     baud_hz: int | None = None
     cycle_hz: int | None = None
     nodes: str = "inside"
+    rings: int = 1
+    check_bytes: int = 1
+    time: int | None = None
+
+    @property
+    def exact_hops(self) -> bool:
+        """Do all nodes take the same time for a hop? Then their strobes are at the same moment."""
+        return self.rings > 1 or self.time is not None
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,8 @@ class Ring:
     @property
     def cycle_bytes(self) -> int:
         """The bytes of a cycle's packet on the line."""
-        return protocol.TOSNET_RING_REST_BYTES + protocol.TOSNET_RING_REGISTER_BYTES * self.registers
+        rest = protocol.TOSNET_RING_REST_BYTES + self.options.check_bytes - 1
+        return rest + protocol.TOSNET_RING_REGISTER_BYTES * self.registers
 
     @property
     def hop_s(self) -> float:
@@ -143,5 +144,7 @@ def ring_of(elements: Iterable[Element]) -> Ring:
     if own is None:
         writes = [n.id for n in nodes.values() if any(element.access == "WRITE" for element in n.gives)]
         own = min(writes) if writes else next((one for one in _USUAL if one not in nodes), 0)
+    if options.time is not None and (word := RingWord.at(options.time)).node == own:
+        nodes.setdefault(own, RingNode(own)).registers |= 1 << word.register
     others = [nodes[number] for number in sorted(nodes) if number != own]
     return Ring(base, nodes.get(own, RingNode(own)), tuple(others), options)

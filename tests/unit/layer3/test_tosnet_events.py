@@ -12,15 +12,17 @@ from typing import Any
 import pytest
 
 from unitylink import Link
-from unitylink.errors import NetworkHalted, NetworkOffline, NodeLost, ValueRangeError
+from unitylink.errors import NetworkError, NetworkHalted, NetworkOffline, NodeLost, ValueRangeError
 from unitylink.layer3_hardware import NetworkEvent, NetworkWatch, TosNetProxy
 from unitylink.simulate import Board, BoardConfiguration, TosnetConfiguration, TosnetNode
 
 
 @contextmanager
-def network(max_skipped_writes: int = 0) -> Iterator[tuple[Board, TosNetProxy]]:
+def network(max_skipped_writes: int = 0, rings: int = 1) -> Iterator[tuple[Board, TosNetProxy]]:
     nodes = (TosnetNode(2), TosnetNode(5, registers=0b11), TosnetNode(7))
-    tosnet = TosnetConfiguration(nodes=nodes, cycle_s=200e-6, max_skipped_writes=max_skipped_writes)
+    tosnet = TosnetConfiguration(
+        nodes=nodes, cycle_s=200e-6, max_skipped_writes=max_skipped_writes, rings=rings
+    )
     configuration = BoardConfiguration(address_bits=11, tosnet=tosnet)
     with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
         yield board, TosNetProxy(link)
@@ -43,6 +45,37 @@ def test_a_cut_and_its_end_are_told_once() -> None:
         board.set_online(True)
         assert seen(watch) == [("online", None, None)]
         assert seen(watch) == []
+
+
+def test_one_of_two_rings_is_told_and_the_network_goes_on() -> None:
+    with network(rings=2) as (board, proxy):
+        watch = proxy.watch()
+        assert seen(watch) == []
+        board.set_ring(1, False)
+        assert seen(watch) == [("ring_lost", 1, NetworkError)]
+        assert "ring 1 down" in str(proxy.status()) and proxy.status().online
+        proxy.write(0x84, 1)
+        resets = proxy.counters().resets
+        board.set_ring(0, False)
+        assert seen(watch) == [("offline", None, NetworkOffline)]
+        board.set_ring(0, True)
+        assert seen(watch) == [("online", None, None)]
+        board.set_ring(1, True)
+        assert seen(watch) == [("ring_back", 1, None)]
+        assert proxy.counters().resets == resets + 1
+        board.set_online(False)
+        board.set_online(True)
+        assert seen(watch) == [("online", None, None)]
+        with pytest.raises(ValueRangeError, match="ring 2"):
+            board.set_ring(2, False)
+
+
+def test_a_network_has_one_ring_if_nobody_says_more() -> None:
+    with network() as (board, proxy):
+        with pytest.raises(ValueRangeError, match="no TosNet with such a ring; see RINGS"):
+            board.set_ring(1, False)
+        board.set_ring(0, False)
+        assert not proxy.status().online and proxy.status().rings_down == ()
 
 
 def test_a_network_that_is_down_at_first_is_told() -> None:

@@ -89,6 +89,26 @@ def test_a_faster_line_and_a_slower_cycle() -> None:
     assert (slow.cycle_s, slow.shortest_s) == (1e-3, cost(members).shortest_s)
 
 
+def test_a_wider_check_and_a_clock_are_in_the_cycle() -> None:
+    plain = cost("@a = 0x80: READ();", ", NODES=ring")
+    wide = cost("@a = 0x80: READ();", ", NODES=ring, CHECK_BYTES=2")
+    assert wide.cycle_bytes == plain.cycle_bytes + 1
+    timed = cost("@a = 0x80: READ();", ", NODES=ring, TIME=0x48")
+    assert timed.nodes[0].registers == (1,) and timed.cycle_bytes == plain.cycle_bytes + 32
+
+
+def test_what_is_beyond_the_published_network_counts_in_the_hash() -> None:
+    text = "public net(u) {{ TOSNET(COMM=u, NODES=ring{}); @a = 0x80: READ(); }}"
+    options = ("", ", RINGS=2", ", CHECK_BYTES=2", ", TIME=0x40")
+    assert len({clean(text.format(one)).hash for one in options}) == 4
+    assert [clean(text.format(one)).roots[0].link.ring.exact_hops for one in options] == [
+        False,
+        True,
+        False,
+        True,
+    ]
+
+
 def test_options_count_in_the_hash_only_if_given() -> None:
     text = "public net(u) {{ TOSNET(COMM=u{}); @a = 0x80: READ(); }}"
     plain, stated = (clean(text.format(options)) for options in ("", ", NODE=1"))
@@ -126,6 +146,30 @@ def test_options_count_in_the_hash_only_if_given() -> None:
             ", CYCLE_RATE=999 Hz",
             "UL109",
             "`a` is published at 1000 Hz, and the ring makes 999 cycles a second",
+        ),
+        ("@a = 0x80: READ();", ", NODES=ring, RINGS=3", "UL049", "RINGS is 3"),
+        (
+            "@a = 0x80: READ();",
+            ", RINGS=2",
+            "UL108",
+            "RINGS is of nodes behind a line, and here they are inside",
+        ),
+        ("@a = 0x80: READ();", ", CHECK_BYTES=2", "UL108", "CHECK_BYTES is of nodes behind a line"),
+        ("@a = 0x80: READ();", ", NODES=ring, CHECK_BYTES=0", "UL049", "CHECK_BYTES is 0"),
+        ("@a = 0x80: READ();", ", TIME=0x40", "UL108", "TIME is of nodes behind a line"),
+        ("@a = 0x80: READ();", ", NODES=ring, TIME=0x400", "UL049", "TIME is 1,024"),
+        (
+            "@a = 0x80: READ();",
+            ", NODES=ring, TIME=0x44",
+            "UL108",
+            "TIME is 0x44, which is no OUT word of the PC's own node 1",
+        ),
+        ("@a = 0x80: READ();", ", NODES=ring, TIME=0x80", "UL108", "TIME is 0x80, which is no OUT word"),
+        (
+            "@a = 0x80: READ(); @t = 0x41: WRITE();",
+            ", NODE=1, NODES=ring, TIME=0x41",
+            "UL108",
+            "`t` is at 0x41, where the ring carries its clock (TIME)",
         ),
         ("@a = 0x80: READ(PUBLISH(2, 1));", ", CYCLE_RATE=100 Hz", "UL109", "`a` is published at 1000 Hz"),
     ],

@@ -145,6 +145,9 @@ def _binding(link: LinkBinding) -> dict[str, Any]:
             "baud_hz": link.ring.baud_hz,
             "cycle_hz": link.ring.cycle_hz,
             "nodes": link.ring.nodes,
+            "rings": link.ring.rings,
+            "check_bytes": link.ring.check_bytes,
+            "time": link.ring.time,
         }
         if link.kind == "tosnet"
         else None,

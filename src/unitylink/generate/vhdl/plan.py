@@ -151,14 +151,54 @@ class Tosnet:
 
     @property
     def line_in(self) -> Vhdl:
-        """The type of the line's input."""
-        plain = Vhdl("std_ulogic")
-        return plain if self.samples == 1 else Vhdl.of("{}_vector({} downto 0)", plain, self.samples - 1)
+        """The type of the lines' input."""
+        return _bits(self.samples * self.configuration.rings)
+
+    @property
+    def line_out(self) -> Vhdl:
+        """The type of the lines' output."""
+        return _bits(self.configuration.rings)
+
+    @property
+    def timed(self) -> bool:
+        """Do its nodes share a clock?"""
+        return self.configuration.time is not None
+
+    @property
+    def options(self) -> tuple[tuple[str, Vhdl], ...]:
+        """What is beyond the published network, as generics."""
+        one = self.configuration
+        given = (
+            ("rings", Vhdl.of("{}", one.rings), one.rings > 1),
+            ("check_bytes", Vhdl.of("{}", one.check_bytes), one.check_bytes > 1),
+            ("exact_hops", Vhdl("true"), one.exact_hops),
+            ("time_address", Vhdl.of("16#{:03X}#", one.time or 0), self.timed),
+        )
+        return tuple((name, value) for name, value, used in given if used)
+
+    @property
+    def lines_here(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """Of each node in the design, from which line each of its rings comes, and to which it goes.
+
+        The first is the PC's own. The second ring goes the other way round.
+        """
+        count = 1 + len(self.here)
+        ways = range(self.configuration.rings)
+        return tuple(
+            tuple((way * count + (place + 2 * way - 1) % count, way * count + place) for way in ways)
+            for place in range(count)
+        )
 
     @property
     def here(self) -> tuple[RingNode, ...]:
         """The nodes that are in the design, too: in a simulation."""
         return self.ring if self.configuration.ring == "inside" else ()
+
+
+def _bits(count: int) -> Vhdl:
+    """Return the type of one bit or more."""
+    plain = Vhdl("std_ulogic")
+    return plain if count == 1 else Vhdl.of("{}_vector({} downto 0)", plain, count - 1)
 
 
 @dataclass(frozen=True)

@@ -119,10 +119,12 @@ class _Planner:
         if tosnet is not None and tosnet.configuration.ring == "pins":
             self.ports += [
                 Port("ring_in", "in", tosnet.line_in),
-                Port("ring_out", "out", Vhdl("std_ulogic")),
+                Port("ring_out", "out", tosnet.line_out),
             ]
         elif tosnet is not None and tosnet.here:
-            kind = Vhdl.of("std_ulogic_vector(0 to {})", len(tosnet.here))
+            kind = Vhdl.of(
+                "std_ulogic_vector(0 to {})", len(tosnet.lines_here) * tosnet.configuration.rings - 1
+            )
             self.ports.append(Port(RING_CUT, "in", kind))
         inside = _inside(components) | set(tosnet.lines if tosnet else ())
         baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ

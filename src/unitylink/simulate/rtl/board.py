@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from unitylink import _native
-from unitylink.errors import UnityLinkError
+from unitylink.errors import UnityLinkError, ValueRangeError
 from unitylink.generate.vhdl import RING_CUT
 from unitylink.generate.vhdl.settings import core_settings_of
 from unitylink.interface.board_configuration import BoardConfiguration
@@ -66,6 +66,10 @@ class ModelBoard(Board):
         """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
 
+    def set_ring(self, ring: int, whole: bool) -> None:
+        """Raise UnityLinkError, because only the twin has a model of the network."""
+        raise UnityLinkError("no ring of the gateware can be broken from here; the twin's can: use `sim:`")
+
     def set_node(self, node: int, present: bool) -> None:
         """Raise UnityLinkError, because only the twin has a model of the network."""
         raise UnityLinkError("no node of the gateware's network leaves from here; the twin's can: use `sim:`")
@@ -118,16 +122,35 @@ class RtlBoard(ModelBoard):
         if steps:
             made = replace(made, trace_program=steps, settings=core_settings_of(chosen))
         model = build_model(made, progress)
-        self._lines = len(made.pin_places[-1][0]) if RING_CUT in made.pins else 0  # of a ring
+        lines = len(made.pin_places[-1][0]) if RING_CUT in made.pins else 0
+        network = chosen.tosnet
+        self._ring_lines = lines // network.rings if network is not None else 0  # of each ring
         # with a spec but no plant, Board would add one
         shown = spec if design is None or plant is not None else None
         super().__init__(shown, model, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
 
     def set_online(self, online: bool) -> None:
-        """Cut the line of the ring in its middle, or mend it.
+        """Cut the line of each ring in its middle, or mend it.
 
         Raises UnityLinkError for a design without a ring: the spec says `NODES=ring` for one.
         """
-        if not self._lines:
+        network = self.configuration.tosnet
+        if not self._ring_lines or network is None:
             super().set_online(online)
-        self._native.drive(len(self.configuration.components), self._lines // 2, not online)
+            return
+        for ring in range(network.rings):
+            self.set_ring(ring, online)
+
+    def set_ring(self, ring: int, whole: bool) -> None:
+        """Cut the line of one of the rings in its middle, or mend it.
+
+        Raises UnityLinkError for a design without a ring, and ValueRangeError if it has no such ring.
+        """
+        network = self.configuration.tosnet
+        if not self._ring_lines or network is None:
+            super().set_ring(ring, whole)
+            return
+        if not 0 <= ring < network.rings:
+            raise ValueRangeError(f"ring {ring}: the spec has {network.rings} (RINGS)")
+        place = ring * self._ring_lines + self._ring_lines // 2
+        self._native.drive(len(self.configuration.components), place, not whole)

@@ -109,7 +109,7 @@ def _cut_places(design: Plan, components: PinPlaces) -> tuple[tuple[int, ...], t
     """Return the places of the lines of a ring that can be cut. They are behind those of the components."""
     assert design.tosnet is not None
     first = sum(len(inputs) for inputs, _ in components)
-    count = 1 + len(design.tosnet.here)
+    count = len(design.tosnet.lines_here) * design.tosnet.configuration.rings
     # The line with the lowest index is the highest bit of the vector.
     return tuple(first + count - 1 - line for line in range(count)), ()
 

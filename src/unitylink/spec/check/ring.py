@@ -13,7 +13,7 @@ from ..expand.resolve import Resolver
 from ..isochrony.ring import RingBudget, ring_budget
 from ..model import Device, Element, Instance, Link
 from ..report.diagnostics import Reporter
-from ..ring import Ring, RingNode, rings_of
+from ..ring import Ring, RingNode, RingWord, rings_of
 from ..text.syntax import LinkKindNode
 
 
@@ -39,7 +39,7 @@ def _check_one_description(root: Instance, device: Device, resolver: Resolver, r
         if earlier.link.ring != link.ring:
             node = _statements(resolver, root, link.base)[-1]
             message = f"the ring at BASE {link.base} is described in two ways"
-            hint = "give NODE, BAUD and CYCLE_RATE once, or alike"
+            hint = "give NODE, BAUD and the like once, or alike"
             reporter.report("UL108", node.start, node.end, message, hint)
             return
 
@@ -69,10 +69,38 @@ class _Check:
         self.budget: RingBudget = ring_budget(ring)
 
     def run(self) -> None:
+        self._check_options()
         self._check_ids()
         self._check_size()
         self._check_cycle()
         self._check_publishes()
+
+    def _check_options(self) -> None:
+        """What is beyond the published network needs nodes that were built for it."""
+        options = self.ring.options
+        given = {
+            "RINGS": options.rings > 1,
+            "CHECK_BYTES": options.check_bytes > 1,
+            "TIME": options.time is not None,
+        }
+        for key in (key for key, used in given.items() if used and options.nodes != "ring"):
+            message = f"{key} is of nodes behind a line, and here they are inside"
+            self._at_property(key, message, f"add `NODES=ring`, or leave out {key}")
+        if options.time is None:
+            return
+        word, own = RingWord.at(options.time), self.ring.own
+        first = own.id << protocol.TOSNET_NODE_SHIFT
+        if word.node != own.id or word.inward:
+            message = f"TIME is 0x{options.time:X}, which is no OUT word of the PC's own node {own.id}"
+            self._at_property(
+                "TIME", message, f"write `TIME=0x{first:X}`, its first OUT word, or another one"
+            )
+            return
+        taken = self.ring.base + options.time
+        for element in (*own.gives, *own.obeys):
+            if taken in element.addresses:
+                message = f"`{element.path}` is at 0x{taken:X}, where the ring carries its clock (TIME)"
+                self._at(element, "UL108", message, "move one of them to a free OUT word")
 
     def _check_ids(self) -> None:
         own = self.ring.own

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from unitylink.protocol import TOSNET_MEMORY_WORDS
+
 from ..meaning.evaluate import Evaluator, RunTime, Value
 from ..meaning.scope import ADDRESS_MAX, Scope
 from ..model import TOSNET_NODES, LinkBinding, RingOptions
@@ -15,6 +17,8 @@ _DEPTH_DEFAULT = 16  # words of a FIFO without a DEPTH
 _SIZE_MAX = 1 << 20  # the most words of a double buffer
 _DEPTH_MAX = 1 << 16
 _NODE_MAX = 15  # four bits of an address, and of a packet
+_RINGS_MAX = 2
+_CHECK_BYTES_MAX = 2  # of a packet's check
 _RATES = {  # property of TOSNET -> the least and the most, in Hz
     "BAUD": (100_000, 1_000_000_000),
     "CYCLE_RATE": (1, 1_000_000),
@@ -57,11 +61,15 @@ def bind_link(
     ring = RingOptions()
     if kind == "tosnet":
         node_id = scope.link_property("NODE")
+        time = _number(scope.link_property("TIME"), (0, TOSNET_MEMORY_WORDS - 1), -1, names, evaluator)
         ring = RingOptions(
             None if node_id is None else _number(node_id, (0, _NODE_MAX), 0, names, evaluator),
             _rate(scope.link_property("BAUD"), names, evaluator),
             _rate(scope.link_property("CYCLE_RATE"), names, evaluator),
             _nodes(scope.link_property("NODES"), evaluator),
+            _number(scope.link_property("RINGS"), (1, _RINGS_MAX), 1, names, evaluator),
+            _number(scope.link_property("CHECK_BYTES"), (1, _CHECK_BYTES_MAX), 1, names, evaluator),
+            time if time >= 0 else None,
         )
     return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link, ring)
 

@@ -8,8 +8,9 @@ from .cursor import Panic
 from .expressions import ExpressionReader
 from .syntax import Argument, Name, Number, Property, PublishNode, TypeNode
 
+RING_PROPERTIES = ("NODE", "NODES", "BAUD", "CYCLE_RATE", "RINGS", "CHECK_BYTES", "TIME")
 LINK_KIND_PROPERTIES = {
-    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK", "NODE", "NODES", "BAUD", "CYCLE_RATE"),
+    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK", *RING_PROPERTIES),
     "MEMORY": ("CTRL", "COMM", "UART", "BASE", "LINK"),
     "DOUBLE_BUFFER": ("CTRL", "COMM", "UART", "BASE", "LINK", "SIZE"),
     "FIFO": ("CTRL", "COMM", "UART", "BASE", "LINK", "DEPTH"),
