@@ -124,8 +124,8 @@ begin
       from_ring_last => from_last, from_ring_id => from_id);
 
   -- Of a single ring, ONLINE tells all.
-  redundant : if rings = 2 generate
-    rings_down <= not each_running;
+  tell_rings : for ring in 0 to 1 generate
+    rings_down(ring) <= not each_running(minimum(ring, rings - 1)) when rings = 2 else '0';
   end generate;
 
 end architecture;
