@@ -47,7 +47,7 @@ entity frame_application_formal is
     begins          : in std_ulogic;
     steps           : in std_ulogic;
     fetches         : in std_ulogic;
-    skips           : in std_ulogic;
+    first_clock     : in std_ulogic;              -- of an instruction
     position        : in unsigned(7 downto 0);
     fetched         : out frame_instruction_t;
     executed        : out frame_instruction_t;
@@ -101,7 +101,7 @@ architecture properties of frame_application_formal is
 
   signal verdict_before : std_ulogic_vector(12 downto 0) := (others => '0');
   signal begins_before, loads_before : std_ulogic := '0';
-  signal looked_at : natural range 0 to 255 := 0;
+  signal looked_at, looked_at_next : natural range 0 to 255 := 0;
 
   -- The work in hand.
   signal entry     : natural range 0 to 31 := 0;
@@ -121,7 +121,8 @@ architecture properties of frame_application_formal is
   signal judged    : std_ulogic := '0';             -- the cache has called the id new
   signal judged_id : std_ulogic_vector(15 downto 0) := (others => '0');
   signal other, other_before : std_ulogic := '1';   -- the cache was busy with something else one and two clocks before
-  signal id_before : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal id_before, id_then : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal after_reset : std_ulogic := '1';           -- the clock before was the last one of a reset
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
   signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
 
@@ -145,12 +146,12 @@ begin
   bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => response);
 
   fetched    <= program(to_integer(position_ahead));
-  executed   <= loaded(program(to_integer(position_now)), idle);
+  executed   <= program(to_integer(position_now)) when idle = '0' else nothing_done;
   in_session <= nand epoch(15 downto 8);
   at_rest    <= begun and started and not busy;
   calls      <= steps and instruction(do_call);
   returns    <= steps and instruction(do_return);
-  judges     <= finishes and to_bit(unsigned(instruction(seen_f)) = if_not_new);
+  judges     <= finishes and to_bit(unsigned(instruction(condition_f)) = if_not_new);
   epoch_may_change <= to_bit(frame = '1' and stands = '1' and given = '0' and reply_idle = '1' and
                              (entry = entry_open or entry = request_kind_close_c mod 16));
   with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and
@@ -166,7 +167,8 @@ begin
   requests : process (clk) is
   begin
     if rising_edge(clk) then
-      begun <= '1';
+      begun       <= '1';
+      after_reset <= reset;
       if request_done = '1' or rewind = '1' then
         taken <= (others => '0');
       elsif take = '1' and length /= taken then
@@ -190,7 +192,8 @@ begin
   note_before : process (clk) is
   begin
     if rising_edge(clk) then
-      looked_at <= to_integer(word_index);
+      looked_at_next <= to_integer(word_index);
+      looked_at      <= looked_at_next;
       verdict_before <= fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count);
       begins_before  <= begins;
       loads_before   <= reset or (finishes and to_bit(instruction(special_f) = load_epoch));
@@ -202,13 +205,14 @@ begin
     if rising_edge(clk) then
       epoch_before <= epoch;
       id_before    <= id;
+      id_then      <= id_before;
       entry_now <= choice;
       if fetches = '1' then
         position_ahead <= position;
       end if;
       if steps = '1' then
         position_now <= position_ahead;
-        idle         <= skips;
+        idle         <= jump or instruction(do_begin);
       end if;
       if busy = '0' then
         started <= '1';
@@ -365,7 +369,7 @@ begin
 
   -- The verdict on an id is used only after the cache has looked at this id.
   judged_in_time : assert always begun = '1' and judges = '1' ->
-                   id = id_before and (other or other_before) = '0' and instruction(do_before) = '0';
+                   id = id_before and id = id_then and (other or other_before) = '0' and instruction(do_before) = '0';
 
   -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
@@ -397,8 +401,9 @@ begin
   -- A routine is not called from within a routine, and returns once.
   one_routine : assert always begun = '1' -> (calls = '0' or routine = '0') and (returns = '0' or routine = '1');
 
-  -- A routine does not return at once, because its caller is known a clock later.
-  return_is_later : assert always begun = '1' and calls = '1' -> fetched(do_return) = '0';
+  -- Nothing holds in the first clock of an instruction, nor without one, but for the clock after a reset. The proof of
+  -- the sequencer assumes this.
+  holds_later : assert always begun = '1' and after_reset = '0' and (first_clock = '1' or busy = '0') -> jump = '0';
 
   -- No routine is open at the end of the work.
   routine_ends : assert always begun = '1' and busy = '0' -> routine = '0';

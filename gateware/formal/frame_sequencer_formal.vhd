@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the sequencer: the instruction is the one at the decided position, and so is the one after it, after
--- any step, jump, wait or reset. The proof of frame_application uses this to take its instructions from the positions,
--- which have 8 bits instead of 80.
+-- Properties of the sequencer: the instruction is the one at the decided position, and so is the one that was fetched,
+-- after any step, jump, rest or reset. The proof of frame_application uses this to take its instructions from the
+-- positions, which have 8 bits instead of 80.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,7 +25,7 @@ entity frame_sequencer_formal is
     -- Observed signals of the design.
     steps     : in std_ulogic;
     fetches   : in std_ulogic;
-    skips     : in std_ulogic;
+    fetched   : in frame_instruction_t;
     position  : in unsigned(7 downto 0)
   );
 end entity;
@@ -47,12 +47,15 @@ architecture properties of frame_sequencer_formal is
   constant program : frame_program_t := numbered;
 
   signal begun           : std_ulogic := '0';  -- the reset of power-up is over
-  signal instruction, ahead : frame_instruction_t;
+  signal instruction     : frame_instruction_t;
   signal position_ahead, position_now : unsigned(7 downto 0) := (others => '0');
   signal idle            : std_ulogic := '1';  -- nothing is executed
   signal jumped          : std_ulogic := '0';
   signal target          : unsigned(7 downto 0) := (others => '0');
-  signal judges, idles, first, last : std_ulogic;
+  signal rests, judges, waits, first, last, steps_now : std_ulogic;
+  signal rested          : std_ulogic := '0';
+  signal started         : std_ulogic := '0';  -- the clock before was the last one of a reset
+  signal entry_before    : entry_t := (others => '0');
 
 begin
 
@@ -62,21 +65,24 @@ begin
     generic map (program => program, sizes => true)
     port map (
       clock => clk, reset => reset, act => act, holds => holds, begins => begins, entry => entry,
-      operation => operation, size => size, instruction => instruction, ahead => ahead, judges => judges,
-      idles => idles, first => first, last => last);
+      operation => operation, size => size, instruction => instruction, rests => rests, judges => judges,
+      steps => steps_now, waits => waits, first => first, last => last);
 
   watch : process (clk) is
   begin
     if rising_edge(clk) then
       begun  <= '1';
-      jumped <= steps and holds and not instruction(do_begin) and not reset;
+      jumped <= steps and holds and not reset;
+      rested       <= rests and not reset;
+      entry_before <= entry;
+      started      <= reset;
       target <= unsigned(instruction(target_f'right + 7 downto target_f'right));
       if fetches = '1' then
         position_ahead <= position;
       end if;
       if steps = '1' then
         position_now <= position_ahead;
-        idle         <= skips;
+        idle         <= holds or instruction(do_begin);
       end if;
       if reset = '1' then
         idle <= '1';
@@ -87,15 +93,36 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The instruction ahead is the one at the last decided position.
-  ahead_is_there : assert always begun = '1' -> ahead = program(to_integer(position_ahead));
+  -- frame_judge: nothing holds in the first clock of an instruction, nor without one, but for the clock after a reset.
+  holds_later : assume always started = '0' and (judges = '1' or rests = '1') -> holds = '0';
 
-  -- The instruction is the one that was ahead, or none after a jump, a wait or a reset.
-  instruction_is_there : assert always begun = '1' -> idles = idle and
-                         instruction = loaded(program(to_integer(position_now)), idle);
+  -- frame_application: an instruction that waits is not executed.
+  waits_first : assume always waits = '1' -> act = '0';
+
+  -- frame_dispatcher: what begins was chosen in the clock before.
+  begins_later : assume always begins = '1' -> rested = '1' and rests = '1';
+
+  -- What was fetched is the instruction at the last decided position.
+  fetched_is_there : assert always begun = '1' and judges = '0' ->
+                     fetched = program(to_integer(position_ahead));
+
+  -- The instruction is the one that was fetched, or none after a jump, at rest or after a reset.
+  instruction_is_there : assert always begun = '1' ->
+                         (idle = '1' or instruction = program(to_integer(position_now))) and
+                         (idle = '0' or instruction = nothing_done);
+
+  -- After a reset, the first instruction is fetched.
+  fetches_first : assert always begun = '1' and started = '1' -> judges = '1' and idle = '1' and rests = '0';
 
   -- After a reset it starts at position 0.
-  starts_at_zero : assert always reset = '1' -> next (position_ahead = 0 and idle = '1');
+  starts_at_zero : assert always started = '1' and reset = '0' -> next (position_ahead = 0 and idle = '1');
+
+  -- Work begins at the entry that was chosen.
+  begins_at_entry : assert always begins = '1' ->
+                    position_ahead = first_of_entries + resize(unsigned(entry_before), 8);
+
+  -- An instruction has two clocks, unless the work ends with it.
+  two_clocks : assert always begun = '1' and judges = '1' and steps = '1' -> instruction(do_begin) = '1';
 
   -- A jump leads to its target.
   jumps_to_target : assert always begun = '1' and jumped = '1' -> position_ahead = target and idle = '1';

@@ -14,7 +14,6 @@ entity reply_cache_formal is
   port (
     clk          : in std_ulogic;
     id           : in std_ulogic_vector(15 downto 0);
-    place_next   : in byte_t;
     one_before   : in std_ulogic;
     remember     : in std_ulogic;
     status_in    : in std_ulogic_vector(3 downto 0);
@@ -49,9 +48,9 @@ architecture properties of reply_cache_formal is
   signal distance    : turn_t;                     -- of `id` a clock ago; while `looks`, it is that of now, too
 
   signal steady      : natural range 0 to 2 := 0;  -- clocks without a change of the cache
-  signal id_now      : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal id_now, id_then : std_ulogic_vector(15 downto 0) := (others => '0');  -- of the last two clocks
   signal before_now, before_then : std_ulogic := '0';
-  signal place_now, place_then   : std_ulogic := '0';
+  signal place_now   : std_ulogic;
   signal looks       : std_ulogic;                 -- the verdict is about `id`
 
 begin
@@ -61,7 +60,7 @@ begin
   dut : entity work.reply_cache
     generic map (window => window)
     port map (
-      clock => clk, id => id, place_next => place_next, before => one_before, new_id => new_id,
+      clock => clk, id => id, before => one_before, new_id => new_id,
       repeated => repeated, order => order, status => status, kept => kept, too_long => too_long, remember => remember,
       status_in => status_in, forget => forget, forget_index => forget_index, start => start, keep => keep,
       data_in => data_in, recall => recall, data_out => data_out);
@@ -69,7 +68,8 @@ begin
   last        <= last_1 when id(0) = '1' else last_0;
   last_status <= status_1 when id(0) = '1' else status_0;
   known       <= known_1 when id(0) = '1' else known_0;
-  looks       <= '1' when steady = 2 and id = id_now and place_now = id(0) and place_then = id(0) and
+  place_now   <= id_now(0);
+  looks       <= '1' when steady = 2 and id = id_now and id = id_then and
                          (one_before or before_now or before_then) = '0' and known = '1' else '0';
 
   watch : process (clk) is
@@ -81,8 +81,7 @@ begin
       distance    <= unsigned(id(15 downto 1)) - last;
       before_now  <= one_before;
       before_then <= before_now;
-      place_now   <= place_next(0);
-      place_then  <= place_now;
+      id_then     <= id_now;
       if steady < 2 then
         steady <= steady + 1;
       end if;

@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- Executes the requests of the framed protocol, each of them once, and answers them. Between requests it publishes
--- groups. It is a small processor that executes one instruction per clock. A jump costs one more. Block RAM holds its
+-- groups. It is a small processor. An instruction has two clocks or more. A jump costs one more. Block RAM holds its
 -- program (frame_program_pkg), its words, the executed ids (`places`) and their replies (`cache`).
 --
 -- Ports     See frame_receiver (request, take, rewind, request_done), frame_transmitter (reply and its ports), bii_pkg,
 --           subscription_pkg and dead_man_pkg, whose `alive` does not come from here.
 --           epoch: FFFF while no session is open. overrun: one-clock pulses, each of which is counted.
 --           may_begin: low while another application has the bus. busy: this application has it.
--- Latency   With a 2-clock bus and 2 address bytes, 9 clocks from a read request to the kind of its reply. There can be
---           a read every 18 clocks, and a post every 14.
+-- Latency   With a 2-clock bus and 2 address bytes, 11 clocks from a read request to the kind of its reply. There can
+--           be a read every 20 clocks, and a post every 14.
 -- Errors    The status values of docs/protocol.md. A refused request changes nothing except counters.
 -- Arbitration  Publishes first, then requests. It changes only between messages.
 -- Pressure  While reply_ready is low, the program stops where it wants to send. So an answer waits for room, and all
@@ -41,7 +41,8 @@ entity frame_application is
     reset                 : in  std_ulogic;
     request               : in  frame_request_t;
     take                  : out std_ulogic;
-    take_bytes            : out unsigned(7 downto 0);
+    take_more             : out unsigned(7 downto 0);
+    takes_many            : out std_ulogic;
     rewind                : out std_ulogic;
     request_done          : out std_ulogic;
     reply                 : out frame_reply_t;
@@ -81,6 +82,7 @@ architecture rtl of frame_application is
   signal instruction  : frame_instruction_t;
   signal number_now, said, recalled : byte_t;
   signal first, last, holds, pending, begins : std_ulogic;
+  signal rests        : std_ulogic;  -- it waits for work
   signal act_now      : std_ulogic;  -- the instruction is executed in this clock
   signal sets_rate    : std_ulogic;  -- and waits for the end of that
   signal does         : std_ulogic;  -- unless it waited for an access that failed
@@ -89,13 +91,15 @@ architecture rtl of frame_application is
   signal counted      : std_ulogic;  -- the trip of the dead-man begins
   signal looks        : std_ulogic;  -- there is some work
 
-  signal judges, idles : std_ulogic;
-  signal ahead        : frame_instruction_t;  -- the instruction that follows
+  signal judges       : std_ulogic;  -- this is the first clock of the instruction
+  signal steps        : std_ulogic;  -- and this is its last one
+  signal waits        : std_ulogic;  -- it does nothing yet
 
   signal data         : word32_t := (others => '0');
   signal address      : unsigned(address_bits - 1 downto 0) := (others => '0');
   signal id           : std_ulogic_vector(15 downto 0) := (others => '0');
   signal epoch_now    : crc16_t := (others => '1');
+  signal count_down   : unsigned(7 downto 0);
   signal count, group_number : unsigned(7 downto 0) := (others => '0');
   signal size         : unsigned(2 downto 0) := (others => '0');
   signal flags, own_flags : byte_t := (others => '0');
@@ -107,7 +111,6 @@ architecture rtl of frame_application is
   signal word_index : pointer_t;
   signal word       : word32_t;
 
-  signal place_next : byte_t;  -- lower byte of the id in the next clock, as far as it matters
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
   signal kept_count              : unsigned(4 downto 0);
@@ -116,6 +119,7 @@ architecture rtl of frame_application is
   signal time_now : unsigned(31 downto 0);
   signal half, look, turned, publish : std_ulogic;
 
+  signal stores   : std_ulogic;
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` is rotated up by a byte
   signal reads, writes, holds_bus, found, access_done, failed, silent_bus, denied_write : std_ulogic;
@@ -132,26 +136,26 @@ begin
     port map (
       clock => clock, reset => reset, act => act_now, holds => holds, begins => begins,
       entry => choice, operation => request.entry(3 downto 0), size => size, instruction => instruction,
-      ahead => ahead, judges => judges, idles => idles, first => first, last => last);
+      rests => rests, judges => judges, steps => steps, waits => waits, first => first, last => last);
 
   judge : entity work.frame_judge
     generic map (lists => lists, exchanges => exchanges > 0, deadman => deadman)
     port map (
-      clock => clock, judges => judges, ahead => ahead, instruction => instruction, idles => idles,
-      request => request, reply_idle => reply_idle, data => data, word => word, pointer => resize(pointer, 10),
+      clock => clock, judges => judges, steps => steps, instruction => instruction, request => request,
+      reply_idle => reply_idle, data => data, word => word, pointer => resize(pointer, 10),
       count => count, flags => flags, marks => marks, shape => shape, new_id => new_id, repeated => repeated,
       not_kept => not_kept, unordered => unordered, failed => failed, silent_bus => silent_bus,
       denied_write => denied_write, half => half, holds => holds);
 
   memory : entity work.frame_memory
     generic map (content => content)
-    port map (clock => clock, index => word_index, store => instruction(store_f), enable => finishes,
+    port map (clock => clock, index => word_index, store => instruction(store_f), enable => stores,
       data => data, word => word);
 
   cache : entity work.reply_cache
     generic map (window => settings.window)
     port map (
-      clock => clock, id => id, place_next => place_next, before => instruction(do_before), new_id => new_id,
+      clock => clock, id => id, before => instruction(do_before), new_id => new_id,
       repeated => repeated, order => unordered, status => kept_status, kept => kept_count, too_long => not_kept,
       remember => remember, status_in => status_now, forget => forget, forget_index => pointer(6 downto 0),
       start => starts, keep => keep, data_in => said, recall => recall, data_out => recalled);
@@ -164,13 +168,13 @@ begin
     port map (
       clock => clock, reset => reset, turned => turned, tripped => dead_man_response.uncounted, publish => publish,
       room => reply_ready, receive_overrun => receive_overrun, publish_overrun => publish_overrun,
-      frame_valid => request.valid, frame_entry => request.entry, asks => instruction(do_begin), begins => begins,
+      frame_valid => request.valid, frame_entry => request.entry, asks => rests, begins => begins,
       wants => looks, choice => choice, pending => pending, counted => counted);
 
   bus_access : entity work.frame_bus
     generic map (address_width => settings.address_width, data_width => settings.data_width)
     port map (
-      clock => clock, reset => reset, read => reads, write => writes, hold => holds_bus, free => instruction(do_begin),
+      clock => clock, reset => reset, read => reads, write => writes, hold => holds_bus, free => rests,
       address => std_ulogic_vector(address(settings.address_width - 1 downto 0)), data => data, found => found,
       done => access_done, failed => failed, silent_bus => silent_bus, denied_write => denied_write,
       bii_request => bii_request, bii_response => bii_response);
@@ -178,17 +182,20 @@ begin
   -- What to do next.
 
   number_now <= instruction(number_f);
+  count_down <= count - 1;
 
   says     <= instruction(say_f'left) or or instruction(say_f'left - 1 downto say_f'right);
-  act_now  <= (reply_ready or not says) and (access_done or not instruction(do_await)) and
+  act_now  <= not waits and (reply_ready or not says) and
+              (access_done or not instruction(do_await)) and
               (subscription_response.done or not sets_rate);
-  does     <= (reply_ready or not says) and ((access_done and not failed) or not instruction(do_await)) and
+  does     <= not waits and (reply_ready or not says) and
+              ((access_done and not failed) or not instruction(do_await)) and
               (subscription_response.done or not sets_rate);
   finishes <= does and last;
   sets_rate <= to_bit(instruction(manage_f) = manage_rate and groups > 0);
-  begins   <= instruction(do_begin) and pending and may_begin;
-  wants    <= instruction(do_begin) and looks;
-  busy     <= not instruction(do_begin);
+  begins   <= rests and pending and may_begin;
+  wants    <= rests and looks;
+  busy     <= not rests;
 
   -- What is sent.
 
@@ -231,27 +238,29 @@ begin
   takes : if lists generate
     passes     <= to_bit(instruction(take_f) = take_item) and or (shape and once);
     take       <= does and or instruction(take_f) and not passes;
-    take_bytes <= count when instruction(take_f) = take_many else x"01";
+    take_more  <= count_down when instruction(take_f) = take_many else x"00";
+    takes_many <= to_bit(instruction(take_f) = take_many);
   else generate
     take       <= does and or instruction(take_f);
-    take_bytes <= x"01";
+    take_more  <= x"00";
+    takes_many <= '0';
   end generate;
 
-  rewind       <= (finishes and instruction(do_rewind)) or instruction(do_begin);
+  -- In the first clock, because the byte comes two clocks later.
+  rewind       <= (judges and instruction(do_rewind)) or (rests and not begins);
   request_done <= finishes and instruction(do_done);
 
   word_index <= pointer when instruction(do_pointer) = '1' else resize(unsigned(number_now), pointer'length);
 
-  place_next <= request.data when instruction(take_f) = take_id else id(7 downto 0);
-
   remember <= finishes and instruction(do_place);
   forget   <= finishes and to_bit(instruction(special_f) = forget_place);
-  starts   <= instruction(do_begin) or (does and to_bit(instruction(say_f) = say_again));
+  starts   <= rests or (does and to_bit(instruction(say_f) = say_again));
   keep     <= does and to_bit(instruction(say_f) = say_kept);
   recall   <= does and to_bit(instruction(source_f) = from_cache);
   look     <= finishes and to_bit(instruction(special_f) = half_turn);
   publish   <= subscription_response.publish and flags(2);
 
+  stores    <= finishes and not holds;
   reads     <= finishes and not holds and instruction(do_read);
   writes    <= finishes and not holds and instruction(do_write);
   holds_bus <= finishes and to_bit(instruction(special_f) = hold_bus);
@@ -334,7 +343,7 @@ begin
       special := instruction(special_f);
       base    := resize(unsigned(std_ulogic_vector'(instruction(far_f) & instruction(target_f))), pointer'length);
 
-      if instruction(do_begin) = '1' then
+      if rests = '1' then
         count <= (others => '0');
         marks <= (others => '0');
         if groups > 0 then
@@ -342,7 +351,7 @@ begin
         end if;
       elsif finishes = '1' then
         if instruction(do_count) = '1' then
-          count <= count - 1;
+          count <= count_down;
         end if;
         case special is
           when set_flags    => own_flags    <= own_flags or number_now;

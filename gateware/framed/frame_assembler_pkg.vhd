@@ -46,9 +46,9 @@ package frame_assembler_pkg is
     -- lists
     list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads, list_plain,
     list_free,
-    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads,
-    run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed,
-    list_failed, list_unposted,
+    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_over,
+    run_reads, run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again,
+    list_executed, list_failed,
     -- exchange groups
     define_outputs, define_second, define_inputs, define_entries,
     exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
@@ -85,7 +85,7 @@ package frame_assembler_pkg is
   procedure at_form(p : inout assembler_t; kind : natural);
   procedure at_check(p : inout assembler_t; kind : natural);
 
-  -- Lets the last instruction continue at the label.
+  -- Lets the last instruction continue at the label. After `next_work`, which is no place, it begins the next work.
   procedure go_to(p : inout assembler_t; label_name : label_t);
 
   -- Sets `pointer` to a place in the memory.
@@ -104,7 +104,7 @@ package frame_assembler_pkg is
   -- Calls the routine at the label, then goes to the next instruction.
   procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done);
 
-  -- Sends the lower half of a word that is already on the memory's output.
+  -- Sends the lower half of a word that the instruction before has addressed.
   procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural);
 
   -- Sends id and count of posts, with which every reply begins.
@@ -167,7 +167,11 @@ package body frame_assembler_pkg is
 
   procedure go_to(p : inout assembler_t; label_name : label_t) is
   begin
-    p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
+    if label_name = next_work then
+      p.code(p.last)(do_begin) := '1';
+    else
+      p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
+    end if;
   end procedure;
 
   procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
@@ -184,7 +188,7 @@ package body frame_assembler_pkg is
 
   procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
   begin
-    put(p, data(data_word) or number(place) or times(2) or i);
+    put(p, data(data_word) or number(place) or times(3) or i);
   end procedure;
 
   procedure take_bytes(p : inout assembler_t; bytes : positive;

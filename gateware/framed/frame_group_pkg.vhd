@@ -33,8 +33,7 @@ package body frame_group_pkg is
       put(p, take(take_first), if_missing, invalid);
       put(p, number(0), if_low, invalid);
       put(p, number(s.data_bytes), if_above, invalid);
-      put(p, data(data_add) or number(sum) or times(2));
-      put(p, store(store_data, sum) or act(do_count));
+      put(p, data(data_add) or store(store_data, sum) or times(3) or act(do_count));
       go_to(p, next_entry);
     end procedure;
   begin
@@ -44,8 +43,7 @@ package body frame_group_pkg is
     put(p, store(store_data, word_out_size));
     load(p, word_zero);
     put(p, store(store_data, word_in_size));
-    take_bytes(p, 2, if_missing, invalid);
-    put(p, store(store_data, word_counts));
+    put(p, take(take_first) or times(2) or store(store_data, word_counts), if_missing, invalid);
     put(p, data(data_turn) or times(3));
     check_members(define_outputs, define_second, word_out_size);
     at(p, define_second);
@@ -54,12 +52,10 @@ package body frame_group_pkg is
 
     at_check(p, request_kind_define_exchange_c);
     put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
-    put(p, number(s.exchanges - 1), if_above, no_group);
-    put(p, also(load_group));
+    put(p, also(load_group, s.exchanges - 1), if_above, no_group);
+    put(p, take(take_first) or store(store_data, word_operand));
     put(p, take(take_first));
-    put(p, store(store_data, word_operand));
-    put(p, take(take_first));
-    put(p, data(data_add) or number(word_operand) or times(2));
+    put(p, data(data_add) or number(word_operand) or times(3));
     put(p, also(load_count, s.exchange_size), if_above, no_group);  -- members of both kinds
     load(p, word_in_size);
     put(p, number(s.reply_max - 4), if_above, too_long);
@@ -77,15 +73,16 @@ package body frame_group_pkg is
     else
       take_bytes(p, s.address_bytes + 1);
     end if;
-    put(p, data(data_turn) or times(3));  -- rotate the number of bytes to the top
-    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up) or act(do_count));
+    -- The number of bytes is rotated to the top.
+    put(p, data(data_turn) or times(3) or act(do_pointer) or store(store_data, 0) or act(do_point_up) or
+           act(do_count));
     go_to(p, define_entries);
   end procedure;
 
   procedure exchange(p : inout assembler_t; s : frame_settings_t) is
 
     procedure next_member is
-      constant looks : frame_instruction_t := act(do_pointer) or act(do_point_up) or times(2);
+      constant looks : frame_instruction_t := act(do_pointer) or act(do_point_up) or times(3);
     begin
       if s.address_bytes = 4 then
         put(p, act(do_load_address) or looks);
@@ -101,12 +98,11 @@ package body frame_group_pkg is
 
     at_check(p, request_kind_exchange_c);
     put(p, take(take_first));
-    put(p, number(s.exchanges - 1), if_above, no_group);
-    put(p, also(load_group));
+    put(p, also(load_group, s.exchanges - 1), if_above, no_group);
     point(p, exchange_base(s), act(do_point_other));
-    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(3));
     put(p, store(store_data, word_counts));
-    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(3));
     put(p, nothing_done, if_top, exchange_defined);
     go_to(p, no_group);
     at(p, exchange_defined);
@@ -121,8 +117,7 @@ package body frame_group_pkg is
     call(p, head);
     put(p, also(hold_bus));
     load(p, word_counts);
-    put(p, data(data_turn) or times(3));
-    put(p, also(load_count));
+    put(p, data(data_turn) or also(load_count) or times(4));  -- the fourth byte
     at(p, exchange_outputs);
     put(p, nothing_done, if_some_left, exchange_out);
     load(p, word_counts);
@@ -177,8 +172,7 @@ package body frame_group_pkg is
     at_check(p, request_kind_define_group_c);
     put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
     put(p, number(mark_executing), if_mark, group_go);
-    put(p, number(s.groups - 1), if_above, no_group);
-    put(p, also(load_group));
+    put(p, also(load_group, s.groups - 1), if_above, no_group);
     for index in 1 to 4 - s.rate_bytes loop
       put(p, take(take_first));
       put(p, number(0) or act(if_not), if_low, invalid);  -- a divisor that does not fit the generic
@@ -195,10 +189,8 @@ package body frame_group_pkg is
     put(p, manage(manage_empty));
     put(p, manage(manage_rate));
     put(p, take(take_first));
-    put(p, manage(manage_event));
-    put(p, take(take_first));
-    put(p, manage(manage_word));  -- at place 0
-    put(p, also(load_count));
+    put(p, manage(manage_event) or take(take_first));
+    put(p, manage(manage_word) or also(load_count));  -- at place 0
     put(p, nothing_done, if_some_left, group_store);
     go_to(p, group_end);
     at(p, group_store);
@@ -218,14 +210,12 @@ package body frame_group_pkg is
   procedure publish(p : inout assembler_t; s : frame_settings_t) is
   begin
     at_entry(p, entry_publish);
-    put(p, manage(manage_take) or also(hold_bus));
-    put(p, data(data_group));  -- its number of addresses, because `count` is 0
-    put(p, also(load_count));
-    put(p, data(data_clock));
-    point(p, sequence_base(s), act(do_point_group) or store(store_data, word_operand));
+    -- The number of its addresses, because `count` is 0.
+    put(p, manage(manage_take) or also(hold_bus) or data(data_group));
+    put(p, also(load_count) or data(data_clock));
+    point(p, sequence_base(s), act(do_point_group));
     put(p, say(say_byte, from_other) or act(do_pointer));
     put(p, say(say_byte, from_half) or act(do_pointer) or times(2));
-    load(p, word_operand);
     put(p, say(say_byte, from_top) or times(4));
     at(p, publish_word);
     put(p, act(do_find_address) or act(do_read) or act(do_count));
@@ -239,7 +229,7 @@ package body frame_group_pkg is
     go_to(p, next_work);
 
     at(p, publish_failed);
-    call(p, count_failure, say(say_again));
+    put(p, say(say_again));
     go_to(p, next_work);
   end procedure;
 

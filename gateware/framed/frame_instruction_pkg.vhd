@@ -4,15 +4,19 @@
 --
 -- The next instruction is `following`, or `target` if the condition holds. A jump costs one clock more. An instruction
 -- that sends waits for the transmitter. One that begins waits for work. One that awaits waits for the end of the
--- access. An instruction that jumps begins no access. One that awaits an access that failed only
--- goes on. `number` is the value that is compared, sent, set or used as an address. The word at that address comes one
--- clock later.
+-- access. An instruction that jumps begins no access and stores nothing. One that awaits an access that failed only
+-- goes on. `number` is the value that is compared, sent, set or used as an address. The word at that address comes two
+-- clocks later.
 --
 -- An instruction may be executed several times. It sends, takes and rotates every time, and does everything else only
--- the last time, jumps too. So an instruction that loads a word is executed twice: the first time addresses the word.
+-- the last time, jumps too. So an instruction that loads a word is executed three times: the first time addresses the
+-- word. One that counts a word up is executed twice, because the memory itself sees the word a clock earlier.
 --
--- Most conditions are judged in the last clock before the instruction. They do not see what happens in that very clock.
--- So the assembler lets an instruction wait for a clock, if the one before it changes what the condition reads.
+-- An instruction has two clocks at least. If it is executed once, that is in the second one. Only an instruction
+-- with do_begin may have one clock.
+--
+-- A condition is judged in the first clock of its instruction. So it sees all that the instruction before has done, and
+-- nothing of what its own instruction does.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -27,7 +31,6 @@ package frame_instruction_pkg is
   subtype far_f       is natural range 79 downto 79;  -- of do_point: the highest bit of a place, above `target`
   subtype number_f    is natural range 25 downto 18;
   subtype condition_f is natural range 30 downto 26;
-  subtype seen_f      is natural range 27 downto 26;  -- of the condition, if it is seen in the same clock
   subtype source_f    is natural range 33 downto 31;
   subtype say_f       is natural range 36 downto 34;
   subtype take_f      is natural range 39 downto 37;
@@ -39,17 +42,16 @@ package frame_instruction_pkg is
   subtype times_f     is natural range 57 downto 55;
 
   -- How many times, if not one to four times.
-  constant times_wait : std_ulogic_vector(2 downto 0) := "100";  -- once, a clock later: see frame_timing_pkg
   constant times_size : std_ulogic_vector(2 downto 0) := "110";  -- `size`
   constant times_rest : std_ulogic_vector(2 downto 0) := "111";  -- 8 - `size`: rotations that bring so many bytes up
 
-  -- Conditions of a jump. The first ones are seen in the same clock, as long as the instruction is executed.
+  -- Conditions of a jump. The first ones are seen in the same clock, in every clock but the first.
   constant never           : natural := 0;
   constant if_missing      : natural := 1;   -- fewer bytes are left than are taken: one, or the number of take_many
   constant if_not_new      : natural := 2;   -- the id is the last one of its place, or older
   constant if_failed       : natural := 3;   -- the access failed
 
-  -- All others are judged before. These are about `number`.
+  -- All others are judged in the first clock. These are about `number`.
   constant if_left_not     : natural := 4;   -- not exactly `number` bytes are left
   constant if_not_plain    : natural := 5;   -- if_left_not, or the request is chained or has a barrier
   constant if_half_not     : natural := 6;   -- the lower half of `data` differs from that of the word
@@ -69,6 +71,7 @@ package frame_instruction_pkg is
   constant if_duplicate    : natural := 20;  -- the id is the last one of its place
   constant if_not_kept     : natural := 21;  -- the same, and its reply was not kept
   constant if_order        : natural := 22;  -- with do_before: the request before was not executed
+  constant if_over         : natural := 23;  -- `count` is zero, or the access failed, which is seen in the same clock
   constant if_top          : natural := 26;  -- the highest bit of `data` is set
   constant if_silent       : natural := 28;  -- the access failed without an answer
   constant if_denied       : natural := 29;  -- the failed access is a write, and the dead-man has tripped
@@ -120,7 +123,7 @@ package frame_instruction_pkg is
 
   -- What is stored at the addressed word.
   constant store_nothing : std_ulogic_vector(1 downto 0) := "00";
-  constant store_data    : std_ulogic_vector(1 downto 0) := "01";
+  constant store_data    : std_ulogic_vector(1 downto 0) := "01";  -- `data` after this instruction
   constant store_count   : std_ulogic_vector(1 downto 0) := "10";  -- the word plus one, with a limit of all ones
   constant store_next    : std_ulogic_vector(1 downto 0) := "11";  -- the word plus one
 
@@ -152,7 +155,7 @@ package frame_instruction_pkg is
   constant forget_place : std_ulogic_vector(4 downto 0) := "01000";  -- place `pointer` gets an id from before the start
 
   -- Actions with one bit each.
-  constant do_begin        : natural := 58;  -- continue with the work in hand; clears `count` and marks, frees the bus
+  constant do_begin        : natural := 58;  -- what follows is the next work; clears `count` and marks, frees the bus
   constant do_dispatch     : natural := 59;  -- continue at `following` plus the operation of the kind
   constant do_rewind       : natural := 60;  -- the next byte is the first one again
   constant do_done         : natural := 61;  -- the frame is done
@@ -171,13 +174,10 @@ package frame_instruction_pkg is
   constant do_before       : natural := 74;  -- look at the place of the id before this one
   constant do_call         : natural := 76;  -- remember `target`
   constant do_return       : natural := 77;  -- continue at the remembered `target`
-  constant if_not          : natural := 78;  -- jump if the condition does not hold, which is judged before
+  constant if_not          : natural := 78;  -- jump if the condition does not hold; for those judged by one look
   constant do_place        : natural := 75;  -- store the id in its place, with the status in `number`
 
   constant nothing_done : frame_instruction_t := (others => '0');
-
-  -- What is executed of an instruction: nothing, if it is skipped. Conditions that are judged before are left out.
-  function loaded(i : frame_instruction_t; skipped : std_ulogic) return frame_instruction_t;
 
   -- An instruction that does one action. Combine actions with `or`.
   function act(action : natural) return frame_instruction_t;
@@ -195,18 +195,6 @@ package frame_instruction_pkg is
 end package;
 
 package body frame_instruction_pkg is
-
-  function loaded(i : frame_instruction_t; skipped : std_ulogic) return frame_instruction_t is
-    variable done : frame_instruction_t := i;
-  begin
-    if or i(condition_f'left downto seen_f'left + 1) then
-      done(seen_f) := (others => '0');
-    end if;
-    if skipped then
-      done := nothing_done;
-    end if;
-    return done;
-  end function;
 
   function act(action : natural) return frame_instruction_t is
     variable i : frame_instruction_t := nothing_done;

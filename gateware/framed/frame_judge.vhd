@@ -2,10 +2,10 @@
 --
 -- Judges the conditions of the framed application's instructions (frame_instruction_pkg).
 --
--- Ports     judges: the condition of `ahead` is judged in this clock. From the next clock on the result counts for
---           `instruction`. idles: nothing is executed, so nothing jumps. holds: the condition of `instruction` holds.
+-- Ports     judges: the condition of `instruction` is judged in this clock, which is its first one. The result counts
+--           from the next clock on, until `steps`, which is its last clock. holds: the condition holds.
 --           All others are what the conditions are about, by the names of frame_application.
--- Latency   One clock. The conditions that are seen in the same clock have none.
+-- Latency   One clock. The conditions that are seen in the same clock have none, after the first one.
 -- Errors    None.
 
 library ieee;
@@ -27,9 +27,8 @@ entity frame_judge is
   port (
     clock        : in  std_ulogic;
     judges       : in  std_ulogic;
-    ahead        : in  frame_instruction_t;
+    steps        : in  std_ulogic;
     instruction  : in  frame_instruction_t;
-    idles        : in  std_ulogic;
     request      : in  frame_request_t;
     reply_idle   : in  std_ulogic;
     data         : in  word32_t;
@@ -55,6 +54,8 @@ architecture rtl of frame_judge is
 
   -- What was judged: each is high if the instruction has such a condition, and that holds.
   signal if_bytes, if_bits, if_value, if_above_low, if_above_high, if_place, if_half, if_state : std_ulogic := '0';
+  -- It has a condition of this sort, which is seen in the same clock.
+  signal sees_missing, sees_not_new, sees_failed : std_ulogic := '0';
 
   signal distance : unsigned(15 downto 0);  -- from the lower half of `data` to that of the word, less 1
 
@@ -70,8 +71,8 @@ begin
     variable left_not, low, above, pointed, known_place, state : std_ulogic;
   begin
     if rising_edge(clock) then
-      condition := ahead(condition_f);
-      number    := ahead(number_f);
+      condition := instruction(condition_f);
+      number    := instruction(number_f);
       known     := to_stdulogicvector(to_bitvector(data));  -- also what an unknown slave gave
 
       left_not    := to_bit(request.left /= unsigned(number));
@@ -100,10 +101,11 @@ begin
         when if_denied       => state := denied_write and to_bit(deadman);
         when if_busy         => state := not reply_idle;
         when if_half_turn    => state := half;
+        when if_over         => state := nor count;
         when others          => state := '0';
       end case;
 
-      if judges = '1' then
+      if judges = '1' or steps = '1' then
         if_bytes      <= '0';
         if_value      <= '0';
         if_place      <= '0';
@@ -111,11 +113,20 @@ begin
         if_half       <= '0';
         if_above_low  <= '0';
         if_above_high <= '0';
-        if_state      <= condition(condition'left) and (state xor ahead(if_not));
+        if_state      <= '0';
+        sees_missing  <= '0';
+        sees_not_new  <= '0';
+        sees_failed   <= '0';
+      end if;
+      if judges = '1' and steps = '0' then
+        if_state      <= condition(condition'left) and (state xor instruction(if_not));
         case to_integer(unsigned(condition)) is
+          when if_missing     => sees_missing <= '1';
+          when if_not_new     => sees_not_new <= '1';
+          when if_failed | if_over => sees_failed <= '1';
           when if_left_not    => if_bytes <= left_not;
           when if_not_plain   => if_bytes <= left_not or request.chained or request.barrier;
-          when if_low         => if_value <= low xor ahead(if_not);
+          when if_low         => if_value <= low xor instruction(if_not);
           when if_above       =>
             if_above_low  <= above;
             if_above_high <= or known(31 downto 8);
@@ -132,18 +143,7 @@ begin
     end if;
   end process;
 
-  choose : process (all)
-    variable now_seen : std_ulogic;
-  begin
-    case to_integer(unsigned(instruction(seen_f))) is
-      when if_missing => now_seen := request.missing;
-      when if_not_new => now_seen := not new_id;
-      when if_failed  => now_seen := failed;
-      when others     => now_seen := '0';
-    end case;
-    holds <= now_seen or
-             ((if_bytes or if_bits or if_value or if_above_low or if_above_high or if_place or if_half or if_state) and
-              not idles);
-  end process;
+  holds <= (sees_missing and request.missing) or (sees_not_new and not new_id) or (sees_failed and failed) or
+           if_bytes or if_bits or if_value or if_above_low or if_above_high or if_place or if_half or if_state;
 
 end architecture;

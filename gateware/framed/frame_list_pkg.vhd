@@ -27,14 +27,12 @@ package body frame_list_pkg is
   begin
     at(p, list_op);
     put(p, take(take_first), if_missing, invalid);
-    put(p, also(load_shape));
-    put(p, take(take_first), if_missing, invalid);
-    put(p, number(shape_none), if_shape, invalid);
-    put(p, also(load_count, 0), if_low, invalid);
+    put(p, also(load_shape) or take(take_first), if_missing, invalid);
+    put(p, also(load_count, shape_none), if_shape, invalid);
+    put(p, number(0), if_low, invalid);
     put(p, number(mark_executing), if_mark, run);
     put(p, number(shape_reads), if_shape, list_reads);
-    put(p, data(data_add) or number(word_writes) or times(2));
-    put(p, store(store_data, word_writes));
+    put(p, data(data_add) or store(store_data, word_writes) or times(3));
     at(p, list_pass);
     put(p, number(shape_once), if_shape, list_once);
     put(p, take(take_many) or times(s.address_bytes), if_missing, invalid);
@@ -57,8 +55,7 @@ package body frame_list_pkg is
     go_to(p, list_values);
     at(p, list_reads);
     put(p, number(mark_posting), if_mark, invalid);
-    put(p, data(data_add) or number(word_reads) or times(2));
-    put(p, store(store_data, word_reads));
+    put(p, data(data_add) or store(store_data, word_reads) or times(3));
     go_to(p, list_pass);
   end procedure;
 
@@ -66,14 +63,6 @@ package body frame_list_pkg is
   procedure execute(p : inout assembler_t; s : frame_settings_t) is
     constant counted  : frame_instruction_t := act(do_count) or store(store_next, word_done);
     constant together : positive            := minimum(s.address_bytes, s.data_bytes);
-
-    -- Addresses the word that an instruction with so many turns counts next.
-    procedure look(turns : positive) is
-    begin
-      if turns = 1 then
-        put(p, number(word_done));
-      end if;
-    end procedure;
 
     procedure await is
     begin
@@ -90,14 +79,14 @@ package body frame_list_pkg is
 
     at(p, run_write);
     put(p, take(take_item) or times(s.address_bytes));
-    look(s.data_bytes);
     put(p, take(take_data) or times(s.data_bytes) or act(do_write) or counted);
-    await;
-    put(p, also(address_up) or act(if_not), if_some_left, list_more);
+    put(p, act(do_await) or also(address_up), if_over, run_over);
     go_to(p, run_write);
+    at(p, run_over);
+    put(p, nothing_done, if_failed, list_failed);
+    go_to(p, list_more);
 
     at(p, run_reads);
-    look(s.address_bytes);
     put(p, take(take_item) or times(s.address_bytes) or act(do_read) or counted);
     at(p, run_read);
     await;
@@ -121,24 +110,22 @@ package body frame_list_pkg is
     put(p, take(take_item) or times(s.address_bytes));
     put(p, number(shape_mask), if_shape, run_mask);
     at(p, run_value);
-    look(s.data_bytes);
     put(p, take(take_first) or times(s.data_bytes) or counted);
     put(p, number(shape_add), if_shape, run_operand);
-    put(p, data(data_and) or number(word_mask) or times(2));
+    put(p, data(data_and) or number(word_mask) or times(3));
     at(p, run_operand);
     put(p, store(store_data, word_operand) or act(do_read));
     await;
     put(p, number(shape_add), if_shape, run_add);
-    put(p, data(data_and_not) or number(word_mask) or times(2));
+    put(p, data(data_and_not) or number(word_mask) or times(3));
     at(p, run_add);
-    put(p, data(data_add) or number(word_operand) or times(2));
+    put(p, data(data_add) or number(word_operand) or times(3));
     put(p, act(do_write));
     await;
     put(p, nothing_done, if_some_left, run_change);
     go_to(p, list_more);
     at(p, run_mask);
-    take_bytes(p, s.data_bytes);
-    put(p, store(store_data, word_mask));
+    put(p, take(take_first) or times(s.data_bytes) or store(store_data, word_mask));
     go_to(p, run_value);
 
     at(p, run_once);
@@ -147,8 +134,7 @@ package body frame_list_pkg is
 
     at(p, run_again);  -- nothing is written again
     put(p, number(shape_reads), if_shape, run_go);
-    put(p, data(data_add) or number(word_done) or times(2));
-    put(p, store(store_data, word_done));
+    put(p, data(data_add) or store(store_data, word_done) or times(3));
     go_to(p, list_pass);
 
     at(p, list_executed);
@@ -159,7 +145,7 @@ package body frame_list_pkg is
     go_to(p, next_work);
 
     at(p, list_failed);
-    put(p, number(mark_posting), if_mark, list_unposted);
+    put(p, number(mark_posting), if_mark, post_failed);
     call(p, count_failure, say(say_again));
     put(p, say(say_kind, from_other) or number(status_of_data));
     put(p, store(store_data, word_answer));
@@ -169,9 +155,6 @@ package body frame_list_pkg is
     load(p, word_answer);
     put(p, number(mark_repeated), if_mark, end_plain);
     go_to(p, end_failed);
-    at(p, list_unposted);
-    put(p, store(store_next, word_posts) or times(2));
-    go_to(p, post_failed);
   end procedure;
 
   procedure lists(p : inout assembler_t; s : frame_settings_t) is
@@ -187,13 +170,11 @@ package body frame_list_pkg is
     execute(p, s);
 
     at_entry(p, request_kind_post_list_c mod 16);
-    put(p, also(set_marks, mark_posting));
-    put(p, take(take_skip) or times(2), if_missing, drop_kind);
+    put(p, also(set_marks, mark_posting) or take(take_skip) or times(2), if_missing, drop_kind);
     go_to(p, list_start);
     at(p, post_formed);
     put(p, act(do_rewind));
     put(p, take(take_first) or times(2) or number(word_posts));
-    put(p, number(word_posts));
     put(p, nothing_done, if_half_not, post_other);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, post_denied);
@@ -221,7 +202,7 @@ package body frame_list_pkg is
     put(p, number(mark_repeated), if_mark, list_say);
     bump(p, control_frames_c);
     at(p, list_say);
-    put(p, data(data_add) or number(word_writes) or times(2));
+    put(p, data(data_add) or number(word_writes) or times(3));
     put(p, store(store_data, word_total));
     call(p, head);
     put(p, number(word_total));

@@ -2,9 +2,11 @@
 --
 -- The words of the framed application: control registers, the program's own words, and tables (frame_layout_pkg).
 --
--- Ports     index: the address of a word, which is in `word` one clock later. store: see frame_instruction_pkg.
---           enable: goes with `store`, and may come late in the clock. data: the value of store_data.
--- Latency   One clock. A word is stored one clock late: whoever reads it in the next clock gets any value.
+-- Ports     index: the address of a word, which is in `word` two clocks later. store: see frame_instruction_pkg. What
+--           is counted up is the word that was addressed in the clock before.
+--           enable: goes with `store`, and may come late in the clock. data: the value of store_data, a clock later.
+-- Latency   Two clocks, because a block RAM may need most of a clock. A word is stored one clock late: whoever
+--           addresses it in the next clock gets any value.
 -- Errors    None.
 
 library ieee;
@@ -34,27 +36,28 @@ architecture rtl of frame_memory is
 
   signal words  : word_memory_t(0 to content'length - 1) := content;
   signal looked : word32_t;
-  signal known  : word32_t;    -- known before the first clock, when a block RAM has no output yet
-  signal full   : std_ulogic;  -- the word is all ones, so it is not counted up
-  signal stores : std_ulogic := '0';
-  signal place  : unsigned(index'range) := (others => '0');
+  signal kept   : word32_t := (others => '0');   -- what was looked at
   signal stored : word32_t;
+  signal full   : std_ulogic;                    -- it is all ones, so it is not counted up
+  signal noted, counts, limits : std_ulogic := '0';
+  signal stores : std_ulogic;
+  signal place  : unsigned(index'range) := (others => '0');
 
 begin
 
-  known <= to_stdulogicvector(to_bitvector(looked));
-  word  <= known;
-  full  <= to_bit(store = store_count) and and known;
+  word   <= kept;
+  stored <= std_ulogic_vector(unsigned(kept) + 1) when counts = '1' else data;
+  full <= limits and and kept;
+  stores <= noted and not full;
 
   choose : process (clock)
   begin
     if rising_edge(clock) then
-      stores <= enable and or store and not full;
+      noted  <= enable and or store;
+      counts <= store(store'left);
+      limits <= to_bit(store = store_count);
       place  <= index;
-      stored <= data;
-      if store(store'left) = '1' then
-        stored <= std_ulogic_vector(unsigned(looked) + 1);
-      end if;
+      kept   <= to_stdulogicvector(to_bitvector(looked));  -- known before the first look, too
     end if;
   end process;
 

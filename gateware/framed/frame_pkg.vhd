@@ -38,7 +38,7 @@ package frame_pkg is
     length   : unsigned(7 downto 0);  -- of its payload
     left     : unsigned(7 downto 0);  -- bytes of the payload not yet taken
     missing  : std_ulogic;            -- fewer bytes are left than `take` would take
-    data     : byte_t;                -- the next byte, one clock after rewind
+    data     : byte_t;                -- the next byte, from the second clock after rewind
   end record;
 
   -- To the transmitter. At most one of put, finish and restart is high at a time, and only while the transmitter is

@@ -47,14 +47,12 @@ package body frame_program_pkg is
     load(p, word_zero);
     point(p, control_frames_c);
     at(p, clear_next);
-    put(p, act(do_pointer) or store(store_data, word_barrier) or act(do_point_up), if_pointer, cleared);
+    put(p, act(do_pointer) or store(store_data, word_barrier + 1) or act(do_point_up), if_pointer, cleared);
     go_to(p, clear_next);
     at(p, cleared);
     load(p, word_ones);
     put(p, store(store_data, word_session));
-    at(p, next_work);
-    put(p, act(do_begin));
-    p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(first_of_entries, 9));
+    go_to(p, next_work);
 
     at(p, write_ok);  -- nothing was sent, and nothing is to be sent
     call(p, answer);
@@ -171,14 +169,13 @@ package body frame_program_pkg is
     begin
       at(p, session_begins);
       put(p, also(load_epoch) or store(store_data, word_session));
-      put(p, data(data_turn) or times(2));
-      put(p, store(store_data, word_own_nonce));
+      put(p, data(data_turn) or times(2) or store(store_data, word_own_nonce));
       load(p, word_upper);
       put(p, store(store_data, word_failed));
       load(p, word_zero, manage(manage_clear));
       point(p, control_deadman_ticks_c);
       at(p, begin_next);
-      put(p, act(do_pointer) or store(store_data, word_posts) or act(do_point_up), if_pointer, begin_rest);
+      put(p, act(do_pointer) or store(store_data, word_posts + 1) or act(do_point_up), if_pointer, begin_rest);
       go_to(p, begin_next);
       at(p, begin_rest);
       for index in 0 to s.exchanges - 1 loop
@@ -207,13 +204,13 @@ package body frame_program_pkg is
     put(p, also(clear_flags, flag_told));
     put(p, also(set_flags, flag_offered));
     put(p, store(store_next, word_nonce) or times(2));
-    put(p, number(word_nonce));
+    put(p, number(word_nonce) or times(3));  -- until it is stored
     say_half(p, say_byte, word_nonce);
     put(p, number(word_session));
     say_half(p, say_byte, word_session);
     point(p, word_hello);
     at(p, hello_next);
-    put(p, data(data_word) or act(do_pointer) or times(2));
+    put(p, data(data_word) or act(do_pointer) or times(3));
     put(p, say(say_byte, from_top) or times(4) or act(do_point_up) or number(word_hello + hello_words - 1),
         if_pointer, end_counted);
     go_to(p, hello_next);
@@ -221,12 +218,10 @@ package body frame_program_pkg is
     at_entry(p, entry_open);
     put(p, take(take_first) or times(3) or number(5), if_left_not, drop_kind);
     put(p, number(16#FF#), if_low, drop_stale);  -- an epoch never begins with FF
-    put(p, take(take_data));
-    put(p, store(store_data, word_operand));
-    put(p, number(word_session) or times(2));
+    put(p, take(take_data) or store(store_data, word_operand));
+    put(p, number(word_session));
     put(p, data(data_turn), if_half_not, open_new);
     put(p, data(data_turn) or number(word_own_nonce));
-    put(p, number(word_own_nonce));
     put(p, nothing_done, if_half_not, open_new);
     go_to(p, open_answer);
     at(p, open_new);
@@ -235,7 +230,6 @@ package body frame_program_pkg is
     at(p, open_offered);
     load(p, word_operand);
     put(p, data(data_turn) or number(word_nonce) or times(2));
-    put(p, number(word_nonce));
     put(p, take(take_first), if_half_not, drop_stale);
     put(p, number(0) or act(if_not), if_low, drop_stale);  -- a flag is set
     put(p, also(clear_flags, flag_offered));
@@ -296,11 +290,8 @@ package body frame_program_pkg is
     at_entry(p, request_kind_read_c mod 16);
     put(p, take(take_id) or times(2) or number(2 + s.address_bytes), if_not_plain, general);
     at(p, exec_read);
-    if s.address_bytes = 1 then
-      put(p, nothing_done);  -- the cache is not ready yet
-    end if;
-    put(p, take(take_address) or times(s.address_bytes) or act(do_read), if_not_new, not_new);
-    bump(p, control_frames_c);
+    put(p, take(take_address) or times(s.address_bytes));
+    put(p, store(store_count, control_frames_c) or times(2) or act(do_read), if_not_new, not_new);
     put(p, act(do_await) or say(say_kind) or number(device_kind_reply_c), if_failed, failed);
     say_head(p);
     put(p, say(say_kept, from_word) or times(s.data_bytes));
@@ -331,8 +322,7 @@ package body frame_program_pkg is
     put(p, act(do_dispatch));
     p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(first_of_forms, 9));
     at(p, take_barrier);
-    take_bytes(p, 2, if_missing, invalid);
-    put(p, store(store_data, word_barrier));
+    put(p, take(take_first) or times(2) or store(store_data, word_barrier), if_missing, invalid);
     go_to(p, form_dispatch);
 
     exact(request_kind_read_c, s.address_bytes);
@@ -359,12 +349,12 @@ package body frame_program_pkg is
     put(p, take(take_skip) or times(2));
     go_to(p, check_dispatch);
     at(p, check_order);
-    put(p, act(do_before) or times(4));
+    put(p, act(do_before));
     put(p, nothing_done, if_order, order);
     go_to(p, past_order);
     at(p, check_barrier);
     load(p, word_barrier);
-    put(p, number(word_posts) or times(2));
+    put(p, number(word_posts));
     put(p, nothing_done, if_half_not, behind);
     go_to(p, skip_check);
 
@@ -426,7 +416,7 @@ package body frame_program_pkg is
         publishes(p, s);
       end if;
     end loop;
-    wait_for_conditions(p);
+    check_timing(p);
     while size < p.free loop
       size := 2 * size;
     end loop;

@@ -8,9 +8,11 @@
 --
 -- Ports     frame: valid/ready bytes of frames, each from its kind to its closing 00.
 --           request: see frame_pkg. `rewind` must come first, and makes the first byte of the payload the next one.
---           `take` moves on by take_bytes, or takes nothing if fewer are left (request.missing). `done` moves to the
---           next frame.
--- Latency   A frame is passed on two clocks after its 00. One byte per clock, in and out.
+--           `take` moves on by one byte, or with `takes_many` by one and take_more. It takes nothing if fewer are left
+--           (request.missing). `done` moves to the next frame.
+-- Latency   A frame is passed on two clocks after its 00. One byte per clock, in and out. The first byte
+--           comes in the second clock after `rewind`, and the next byte in the third one after `takes_many`. Until then
+--           nothing is taken, but `takes_many` may be repeated.
 -- Errors    A dropped frame is passed on in the order of arrival too, as an entry that gives the reason, without
 --           payload. A wrong byte costs only its own frame.
 -- Pressure  frame_ready is low while the ring or the FIFO of 16 frames is full. It is also low from an OPEN or CLOSE to
@@ -20,6 +22,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
 use work.width_pkg.all;
@@ -28,7 +31,7 @@ entity frame_receiver is
   generic (
     request_max : positive range 2 to 250 := 250;  -- longest payload of a request
     ring_bytes  : positive := 512;                  -- a power of two: bytes of all payloads that are not done
-    many        : boolean  := true                  -- take_bytes counts; otherwise one byte is taken at a time
+    many        : boolean  := true                  -- there is takes_many; otherwise one byte is taken at a time
   );
   port (
     clock       : in  std_ulogic;
@@ -39,7 +42,8 @@ entity frame_receiver is
     frame_data  : in  byte_t;
     request     : out frame_request_t;
     take        : in  std_ulogic;
-    take_bytes  : in  unsigned(7 downto 0) := x"01";
+    takes_many  : in  std_ulogic := '0';
+    take_more   : in  unsigned(7 downto 0) := x"00";
     rewind      : in  std_ulogic;
     done        : in  std_ulogic;
     alive       : out std_ulogic   -- for one clock: a frame of the session passed its check
@@ -97,11 +101,17 @@ architecture rtl of frame_receiver is
 
   -- The frame that is being read.
   signal start_index : index_t := (others => '0');  -- its first byte
-  signal read_index  : index_t := (others => '0');  -- its next byte
-  signal read_next   : index_t;                     -- the same in the next clock
+  signal next_index  : index_t := (others => '0');  -- the place of its next byte, if there is takes_many
+  signal read_index  : index_t := (others => '0');  -- the place of the byte that is looked at next
+  signal read_now    : index_t;
+  signal looked      : byte_t;                      -- the byte behind the next one
+  signal next_byte   : byte_t;
+  signal fills       : std_ulogic := '0';           -- `looked` is the next byte itself
+  signal refills     : std_ulogic := '0';           -- it is being looked at
+  signal moves, reads : std_ulogic;
+  signal more        : unsigned(7 downto 0);        -- how many are taken at a time, less one
   signal length_out  : unsigned(7 downto 0);
   signal left        : unsigned(7 downto 0) := (others => '0');
-  signal bytes       : unsigned(7 downto 0);        -- how many are taken at a time
   signal missing, few : std_ulogic;
   signal none        : std_ulogic := '1';           -- none is left
 
@@ -261,9 +271,14 @@ begin
   memory_read : process (clock)
   begin
     if rising_edge(clock) then
-      request.data <= ring(to_integer(read_next));
-      if stores = '1' and write_index = read_next then
-        request.data <= (others => '-');  -- not part of a frame that was passed on
+      if reads = '1' then
+        looked <= ring(to_integer(read_now));
+        if stores = '1' and write_index = read_now then
+          looked <= (others => '-');  -- not part of a frame that was passed on
+        end if;
+      end if;
+      if fills = '1' or take = '1' then
+        next_byte <= looked;  -- a register of its own, because a block RAM may be slow
       end if;
     end if;
   end process;
@@ -275,28 +290,50 @@ begin
   request.length  <= length_out;
   request.left    <= left;
   request.missing <= missing;
+  request.data    <= next_byte;
 
   length_out <= unsigned(record_out(7 downto 0));
-  bytes      <= take_bytes when many else x"01";
-  few        <= '1' when left < bytes else '0';
+  more       <= take_more when many else x"00";
+  few        <= '1' when left <= more else '0';
   missing    <= few when many else none;
+  moves      <= take and not missing;
 
-  read_next <= start_index when rewind = '1' else
-               read_index + resize(bytes, index_bits) when take = '1' and missing = '0' else read_index;
+  -- The address comes from a register, because `take` comes late in the clock. It may move beyond the last byte: then
+  -- nobody needs the next byte until `rewind`.
+  read_now <= start_index when rewind = '1' else read_index;
+  reads    <= rewind or refills or fills or take;
 
   follow : process (clock)
-    variable left_next : unsigned(7 downto 0);
+    variable left_then : unsigned(7 downto 0);
+    variable index_then : index_t;
   begin
     if rising_edge(clock) then
-      read_index <= read_next;
-      left_next := left;
-      if rewind = '1' then
-        left_next := length_out;
-      elsif take = '1' and missing = '0' then
-        left_next := left - bytes;
+      if reads = '1' then
+        read_index <= read_now + 1;
       end if;
-      left <= left_next;
-      none <= nor left_next;
+      fills   <= rewind or refills;
+      refills <= '0';
+      if many then
+        index_then := next_index + resize(more, index_bits) + 1;
+        if rewind = '1' then
+          next_index <= start_index;
+        elsif moves = '1' then
+          next_index <= index_then;
+          if takes_many = '1' then
+            read_index <= index_then;
+            refills    <= '1';
+            fills      <= '0';
+          end if;
+        end if;
+      end if;
+      left_then := left + not more;
+      if rewind = '1' then
+        left <= length_out;
+        none <= nor length_out;
+      elsif moves = '1' then
+        left <= left_then;
+        none <= nor left_then;
+      end if;
       if done = '1' then
         start_index <= start_index + resize(length_out, index_bits);
       end if;

@@ -2,14 +2,19 @@
 --
 -- Fetches the instructions of the framed application. One is executed, and the one that follows is fetched meanwhile.
 --
---   position --> | program | --> ahead --> instruction
+--   position --> | program | --> fetched --> instruction
+--
+-- Block RAM may need most of a clock to give a word. So nothing is decided by a word before it is in a register. That
+-- costs no clock: an instruction is executed for two clocks or more, and its first clock fetches the one that follows.
 --
 -- Ports     act: the instruction is executed in this clock. holds: it jumps. begins: there is work. entry, operation:
 --           where `begin` and `dispatch` lead. `entry` belongs to the clock before `begins`. size: see times_size.
---           ahead: the instruction that follows. judges: its condition is judged now. idles: nothing is executed, so
---           nothing jumps. first, last: this is the first or last time of `instruction`.
--- Latency   None between instructions. A jump costs one clock, and so does an instruction that waits (times_wait). In
---           that clock nothing is executed.
+--           rests: it waits for work, from the clock after do_begin until `begins`.
+--           judges: the first clock of `instruction`, in which its condition is judged. steps: its last clock. waits:
+--           in this clock it does nothing yet, because it has two clocks and is executed once. first, last: this is
+--           its first or last time.
+-- Latency   An instruction has as many clocks as times, and two at least. With do_begin it may have one, because
+--           what follows is not fetched then. A jump costs one clock, in which nothing is executed.
 -- Errors    None.
 
 library ieee;
@@ -37,9 +42,10 @@ entity frame_sequencer is
     operation   : in  std_ulogic_vector(3 downto 0);
     size        : in  unsigned(2 downto 0);
     instruction : out frame_instruction_t;
-    ahead       : out frame_instruction_t;
+    rests       : out std_ulogic;
     judges      : out std_ulogic;
-    idles       : out std_ulogic;
+    steps       : out std_ulogic;
+    waits       : out std_ulogic;
     first       : out std_ulogic;
     last        : out std_ulogic
   );
@@ -52,14 +58,14 @@ architecture rtl of frame_sequencer is
   subtype position_t is unsigned(position_bits - 1 downto 0);
 
   signal fetched  : frame_instruction_t;
-  signal following : frame_instruction_t;
   signal now_done : frame_instruction_t := nothing_done;
   signal position, caller : position_t;
-  signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it was executed
-  signal final    : unsigned(2 downto 0);                     -- how often before the last time
-  signal is_last, step, waits, fetches : std_ulogic;
-  signal skips    : std_ulogic;                               -- the next clock executes nothing
-  signal waited   : std_ulogic := '1';                        -- nothing is executed
+  signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it is executed after this time
+  signal is_first : std_ulogic := '1';
+  signal sized    : std_ulogic;                               -- `turns` is not a number, but tells which one it is
+  signal is_last, turn, step, fetches, clears : std_ulogic;
+  signal resting  : std_ulogic := '0';                        -- there is no work
+  signal fresh    : std_ulogic := '1';                        -- this is its first clock
 
   function place(field : std_ulogic_vector) return position_t is
   begin
@@ -68,49 +74,36 @@ architecture rtl of frame_sequencer is
 
 begin
 
-  following   <= to_stdulogicvector(to_bitvector(fetched));  -- known before the first clock, too
-  ahead       <= following;
   instruction <= now_done;
-  first       <= nor turns;
+  rests       <= resting;
+  judges      <= fresh;
+  steps       <= step;
+  first       <= is_first;
   last        <= is_last;
 
-  count_turns : process (all)
-  begin
-    final <= '0' & unsigned(now_done(times_f'right + 1 downto times_f'right));
-    if sizes and now_done(times_f) = times_size then
-      final <= size - 1;
-    elsif sizes and now_done(times_f) = times_rest then
-      final <= 7 - size;
-    end if;
-  end process;
+  sized   <= and turns(2 downto 1) and to_bit(sizes);
+  is_last <= nor turns;
+  waits   <= fresh and ((is_last and not now_done(do_begin)) or sized);
+  turn    <= act and (begins or not resting);
+  step    <= turn and is_last;
 
-  is_last <= '1' when turns = final else '0';
-  step    <= act and is_last and (begins or not now_done(do_begin));
-  judges  <= step;
-  idles   <= waited;
-  waits   <= to_bit(following(times_f) = times_wait) and not waited;
-
-  -- The position from which the instruction after `ahead` is fetched.
+  -- The position from which the next instruction is fetched. Only a jump fetches after the first clock.
   decide : process (all)
   begin
-    position <= place(following(following_f));
-    if following(do_return) = '1' then
-      position <= caller;
-    elsif following(do_dispatch) = '1' then
-      position(3 downto 0) <= unsigned(operation);
-    end if;
-    if now_done(do_begin) = '1' and begins = '0' then
+    position <= place(now_done(target_f));
+    if resting = '1' then
       position <= to_unsigned(first_of_entries, position_bits) or resize(unsigned(entry), position_bits);
-    elsif holds = '1' then
-      position <= place(now_done(target_f));
-    end if;
-    if reset = '1' then
-      position <= (others => '0');
+    elsif fresh = '1' then
+      position <= place(now_done(following_f));
+      if now_done(do_return) = '1' then
+        position <= caller;
+      elsif now_done(do_dispatch) = '1' then
+        position(3 downto 0) <= unsigned(operation);
+      end if;
     end if;
   end process;
 
-  skips   <= holds or waits;
-  fetches <= (step and (holds or not waits)) or now_done(do_begin) or reset;
+  fetches <= fresh or resting or (step and holds);
 
   fetch : process (clock)
   begin
@@ -118,19 +111,51 @@ begin
       if fetches = '1' then
         fetched <= program(to_integer(position));
       end if;
+      fresh <= '0';
       if step = '1' then
-        now_done <= loaded(following, skips);
-        turns    <= (others => '0');
-        waited   <= skips;
+        fresh    <= '1';
+        is_first <= '1';
+        resting  <= now_done(do_begin) and not holds;
         if now_done(do_call) = '1' then
           caller <= place(now_done(target_f));
         end if;
-      elsif act = '1' and is_last = '0' then
-        turns <= turns + 1;
+        if holds = '1' or now_done(do_begin) = '1' then
+          fresh    <= '0';
+        end if;
+      elsif turn = '1' then
+        is_first <= '0';
       end if;
       if reset = '1' then
+        resting  <= '0';
+        fresh    <= '1';
+      end if;
+    end if;
+  end process;
+
+  -- After a reset, the next clock fetches what follows nothing_done, which is the instruction at 0. The register has an
+  -- enable and a reset of its own, so no gate is between it and the block RAM. Before `turns` there is one.
+  clears <= reset or (step and (holds or now_done(do_begin)));
+
+  load : process (clock)
+  begin
+    if rising_edge(clock) then
+      if step = '1' then
+        now_done <= fetched;
+      end if;
+      if turn = '1' then
+        turns <= turns - 1;
+        if is_last = '1' then
+          turns <= unsigned(fetched(times_f));
+        end if;
+      end if;
+      if sized = '1' then
+        turns <= size - 1;
+        if turns(0) = '1' then  -- times_rest
+          turns <= not size;
+        end if;
+      end if;
+      if clears = '1' then
         now_done <= nothing_done;
-        waited   <= '1';
         turns    <= (others => '0');
       end if;
     end if;

@@ -24,16 +24,14 @@ package body frame_state_pkg is
   procedure read_control(p : inout assembler_t; s : frame_settings_t) is
   begin
     at_form(p, request_kind_read_control_c);
-    put(p, take(take_skip) or number(3), if_left_not, invalid);
-    put(p, take(take_skip));
+    put(p, take(take_skip) or times(2) or number(3), if_left_not, invalid);
     put(p, take(take_first));
     put(p, number(0), if_low, invalid);
     go_to(p, places);
 
     at_check(p, request_kind_read_control_c);
     put(p, take(take_first) or times(2));
-    put(p, number(16#FF#), if_above, bad_address);
-    put(p, take(take_data) or act(do_point_data));
+    put(p, take(take_data) or act(do_point_data) or number(16#FF#), if_above, bad_address);
     put(p, also(load_count));
     at(p, registers_next);
     put(p, act(do_point_up) or act(do_count), if_no_register, bad_address);
@@ -48,7 +46,7 @@ package body frame_state_pkg is
     at(p, registers_word);
     put(p, number(control_time_low_c) or data(data_clock), if_pointer, registers_time);
     put(p, number(control_arm_c) or data(data_flags), if_pointer, registers_say);
-    put(p, data(data_word) or act(do_pointer) or times(2));
+    put(p, data(data_word) or act(do_pointer) or times(3));
     at(p, registers_say);
     put(p, say(say_kept, from_top) or times(4));
     at(p, registers_said);
@@ -89,8 +87,7 @@ package body frame_state_pkg is
       at(p, write_publish);
       take_bytes(p, 4);
       put(p, number(1), if_above, invalid);
-      put(p, manage(manage_publish));
-      put(p, store(store_data, control_publish_c));
+      put(p, manage(manage_publish) or store(store_data, control_publish_c));
       go_to(p, write_ok);
     end if;
 

@@ -1,15 +1,17 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Makes an assembled program wait where an instruction would come too early. Refuses a program in which it cannot.
+-- Refuses a program in which an instruction would come too early.
 --
--- A condition is judged in the clock before its instruction (frame_instruction_pkg). If the instruction before changes
--- what the condition reads, the one with the condition waits for a clock. Only an instruction that is executed once can
--- wait.
+-- A condition is judged in the first clock of its instruction. A jump leads away in its last clock. So an instruction
+-- with a condition needs two clocks. One with do_begin has them only if it is executed twice.
 --
--- A word is stored a clock late (frame_memory). So the instruction after that must not read it.
+-- A word comes two clocks after its address. It is stored a clock late (frame_memory). So if an instruction stores a
+-- word, the next one does not get that word in its first clock.
 --
 -- A jump costs a clock, and in that clock the memory reads another word. So an instruction that uses a word at once
 -- must not be the target of a jump.
+--
+-- The next byte of a frame comes two clocks after a rewind or after many bytes were taken (frame_receiver).
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -20,16 +22,11 @@ use work.frame_instruction_pkg.all;
 
 package frame_timing_pkg is
 
-  procedure wait_for_conditions(p : inout assembler_t);
+  procedure check_timing(p : assembler_t);
 
 end package;
 
 package body frame_timing_pkg is
-
-  function takes(i : frame_instruction_t) return boolean is
-  begin
-    return i(take_f) /= take_nothing;
-  end function;
 
   function condition_of(i : frame_instruction_t) return natural is
   begin
@@ -41,51 +38,42 @@ package body frame_timing_pkg is
     return i(times_f) = nothing_done(times_f);
   end function;
 
-  function changes_data(i : frame_instruction_t) return boolean is
+  function uses_word(i : frame_instruction_t) return boolean is
   begin
-    return i(data_f) /= data_stays or i(take_f) = take_data or i(take_f) = take_first or i(source_f) = from_top or
-           i(source_f) = from_word;
+    return i(data_f) = data_word or i(data_f) = data_add or i(data_f) = data_and or i(data_f) = data_and_not or
+           i(special_f) = load_size or i(do_load_address) = '1';
   end function;
 
-  function changes_pointer(i : frame_instruction_t) return boolean is
+  function counts_word(i : frame_instruction_t) return boolean is
   begin
-    return (i(do_point) or i(do_point_data) or i(do_point_up)) = '1';
+    return i(store_f) = store_count or i(store_f) = store_next;
   end function;
 
-  -- The last time of `before` changes what the condition reads.
-  function conflict(before : frame_instruction_t; condition : natural) return boolean is
-    constant special : std_ulogic_vector(special_f) := before(special_f);
-  begin
-    case condition is
-      when if_left_not | if_not_plain => return takes(before) or before(do_rewind) = '1';
-      when if_left_other => return takes(before) or before(do_rewind) = '1' or changes_data(before);
-      when if_low | if_above | if_half_not | if_half_lower | if_top => return changes_data(before);
-      when if_pointer | if_no_register => return changes_pointer(before);
-      when if_flag =>
-        return special = set_flags or special = clear_flags or special = start_dead_man or
-               before(manage_f) = manage_publish;
-      when if_mark      => return special = set_marks or special = load_shape;
-      when if_shape     => return special = load_shape;
-      when if_some_left => return before(do_count) = '1' or special = load_count or special = load_kept;
-      when if_busy      => return before(say_f) /= say_nothing;
-      when if_half_turn => return special = half_turn;
-      when others       => return false;
-    end case;
-  end function;
-
-  function reads_what_is_stored(before, i : frame_instruction_t) return boolean is
-  begin
-    return before(store_f) /= store_nothing and (before(do_pointer) or i(do_pointer)) = '0' and
-           before(number_f) = i(number_f) and i(store_f) /= store_data;
-  end function;
-
+  -- It uses a word that the instruction before must have addressed.
   function uses_word_at_once(i : frame_instruction_t) return boolean is
   begin
-    return i(source_f) = from_half or
-           (once(i) and (i(data_f) = data_word or i(data_f) = data_add or i(data_f) = data_and or
-                         i(data_f) = data_and_not or i(store_f) = store_count or i(store_f) = store_next or
-                         i(special_f) = load_size or i(do_load_address) = '1' or
-                         condition_of(i) = if_half_not or condition_of(i) = if_half_lower));
+    return i(source_f) = from_half or condition_of(i) = if_half_not or condition_of(i) = if_half_lower or
+           (uses_word(i) and unsigned(i(times_f)) < 2);
+  end function;
+
+  -- It addresses the word that the instruction before stores, and not long enough to get it.
+  function reads_what_is_stored(before, i : frame_instruction_t) return boolean is
+    variable clocks : natural := 3;
+  begin
+    if counts_word(i) then
+      clocks := 3;
+    elsif uses_word(i) then
+      clocks := 4;
+    end if;
+    return before(store_f) /= store_nothing and (before(do_pointer) or i(do_pointer)) = '0' and
+           before(number_f) = i(number_f) and (i(store_f) /= store_data or uses_word(i)) and
+           (to_integer(unsigned(i(times_f))) + 1 < clocks or i(source_f) = from_half);
+  end function;
+
+  -- It takes the next byte in its first clock, when that byte is not yet there.
+  function takes_too_early(before, i : frame_instruction_t) return boolean is
+  begin
+    return before(take_f) = take_many and i(take_f) /= take_nothing and i(take_f) /= take_many and not once(i);
   end function;
 
   function at_place(p : assembler_t; place : natural) return string is
@@ -99,16 +87,16 @@ package body frame_timing_pkg is
     return "frame_timing_pkg: instruction " & integer'image(place) & ", after the label " & label_t'image(near) & ", ";
   end function;
 
-  procedure wait_for_conditions(p : inout assembler_t) is
+  procedure check_timing(p : assembler_t) is
 
     procedure follow(before : frame_instruction_t; place : natural) is
     begin
-      if conflict(before, condition_of(p.code(place))) or reads_what_is_stored(before, p.code(place)) then
-        assert once(p.code(place)) or p.code(place)(times_f) = times_wait
-          report at_place(p, place) & "needs what the one before it changes; put another one between them"
-          severity failure;
-        p.code(place) := p.code(place) or for_size(times_wait);
-      end if;
+      assert not reads_what_is_stored(before, p.code(place))
+        report at_place(p, place) & "reads what the one before it stores; put another one between them"
+        severity failure;
+      assert not takes_too_early(before, p.code(place))
+        report at_place(p, place) & "takes a byte at once after many were taken; put another one between them"
+        severity failure;
     end procedure;
 
     variable i         : frame_instruction_t;
@@ -117,6 +105,10 @@ package body frame_timing_pkg is
     for place in 0 to p.free - 1 loop
       i         := p.code(place);
       following := to_integer(unsigned(i(following_f)));
+      assert not (i(do_begin) = '1' and once(i) and condition_of(i) /= never)
+        report at_place(p, place) & "jumps or ends the work in one clock; let it be executed twice" severity failure;
+      assert not (i(do_rewind) = '1' and i(take_f) /= take_nothing)
+        report at_place(p, place) & "rewinds and takes a byte; take it later" severity failure;
       if i(do_dispatch) = '1' then
         for operation in 0 to 15 loop
           follow(i, following + operation);
@@ -129,10 +121,6 @@ package body frame_timing_pkg is
         end loop;
       elsif i(do_begin) = '0' then
         follow(i, following);
-      end if;
-      if i(do_call) = '1' then
-        assert p.code(following)(do_return) = '0'
-          report at_place(p, place) & "calls a routine of one instruction; give it a second one" severity failure;
       end if;
       if condition_of(i) /= never then
         assert not uses_word_at_once(p.code(to_integer(unsigned(i(target_f)))))

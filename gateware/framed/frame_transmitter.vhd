@@ -10,7 +10,7 @@
 --
 -- Ports     reply: see frame_pkg; given only while `ready`, otherwise it waits. idle: nothing is being sent.
 --           tx: valid/ready/data. tx_last is high with the closing 00, and tx_publish with all bytes of a publish.
--- Latency   A kind is on tx two clocks later. The rest begins three clocks after finish, with one byte per clock: the
+-- Latency   A kind is on tx two clocks later. The rest begins four clocks after finish, with one byte per clock: the
 --           payload, 1 code, 3 bytes of check, 00. The next payload may be put meanwhile.
 -- Errors    None. A payload of more than 254 bytes must not be put.
 -- Pressure  tx_ready stalls the frame that is being sent. `ready` is low while a whole payload waits for it.
@@ -51,7 +51,7 @@ architecture rtl of frame_transmitter is
   signal whole    : std_ulogic := '0';              -- it waits to be sent
   signal complete : std_ulogic := '0';              -- and it is all in the memory
   signal puts, ends, drops : std_ulogic := '0';     -- put, finish and restart, a clock later
-  signal codes    : std_ulogic := '0';              -- a code is written
+  signal codes    : std_ulogic;                     -- a code is written
   signal data     : byte_t;                         -- else this byte
   signal writes   : std_ulogic;
   signal written  : byte_t;
@@ -63,6 +63,7 @@ architecture rtl of frame_transmitter is
   type state_t is (
     resting,   -- ends with a kind
     opened,    -- the kind is sent; ends when the payload is complete
+    filling,   -- the first byte of the payload comes from the memory
     sending,   -- the payload; ends after its last byte
     checking,  -- three bytes of check
     closing    -- the 00
@@ -73,15 +74,18 @@ architecture rtl of frame_transmitter is
   signal read_next  : unsigned(7 downto 0);
   signal read_bank  : std_ulogic;
   signal unsent     : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoded payload
-  signal encoded    : byte_t;
-  signal crc        : crc16_t := (others => '0');
+  signal looked     : byte_t;                        -- the byte behind the next one
+  signal encoded    : byte_t := (others => '0');     -- the next byte, in a register: a block RAM may be slow
+  signal advances   : std_ulogic;
+  signal crc        : crc16_t := (others => '0');    -- without the byte on tx
   signal turn       : natural range 0 to 2 := 0;     -- which byte of the check
   signal full       : std_ulogic := '0';             -- tx has a byte
   signal free       : std_ulogic;                    -- tx is empty, or its byte is taken
   signal starts     : std_ulogic;                    -- a kind is sent
   signal outside    : std_ulogic;                    -- a kind that belongs to no session
-  signal sent       : byte_t;                        -- the byte sent, without the check and 00
-  signal before     : crc16_t;                       -- the CRC before this byte
+  signal other      : byte_t;                        -- the next byte on tx, if it is not of the payload
+  signal loads      : std_ulogic;                    -- it goes to tx
+  signal crc_now    : crc16_t;                       -- the CRC with the byte on tx
   signal opens      : std_ulogic;                    -- a payload begins
 
 begin
@@ -103,7 +107,6 @@ begin
       puts  <= reply.put and not whole and not reset;
       ends  <= reply.finish and not whole and not reset;
       drops <= reply.restart and not whole and not reset;
-      codes <= reply.finish or nor reply.data;
       data  <= reply.data;
       if opens = '1' or reset = '1' then
         whole <= '0';
@@ -114,6 +117,7 @@ begin
   end process;
 
   writes <= puts or ends;
+  codes  <= ends or nor data;
 
   place : process (all)
   begin
@@ -152,22 +156,30 @@ begin
 
   starts  <= kind_waits and free when state = resting else '0';
   outside <= kind(4) and not (kind(1) and not kind(0));  -- D0 to D3 without D2
-  sent    <= encoded when state = sending else kind;
-  before  <= crc when state = sending else epoch or (crc16_t'range => outside);
+  crc_now <= next_crc16(crc, tx_data);
+
+  with state select other <=
+    check_byte(crc, turn) when checking,
+    kind                  when resting,
+    (others => '0')       when others;
+  loads <= starts when state = resting else '0' when state = opened or state = filling else free;
 
   opens  <= '1' when state = opened and complete = '1' else '0';
 
   read_bank <= bank when state = opened else not bank;
-  read_next <= (others => '0') when state = opened else
-               read_index + 1 when state = sending and free = '1' else read_index;
+  advances  <= '1' when state = filling or (state = sending and free = '1') else '0';
+  read_next <= (others => '0') when state = opened else read_index + unsigned'("" & advances);
 
   fetch : process (clock)
   begin
     if rising_edge(clock) then
       read_index <= read_next;
-      encoded    <= memory(to_integer(unsigned'(read_bank & read_next)));
+      looked     <= memory(to_integer(unsigned'(read_bank & read_next)));
+      if advances = '1' then
+        encoded <= looked;
+      end if;
       if writes = '1' and read_bank = bank and read_next = write_index then
-        encoded <= (others => '-');  -- the last byte that is written here is read again later
+        looked <= (others => '-');  -- the last byte that is written here is read again later
       end if;
     end if;
   end process;
@@ -190,21 +202,21 @@ begin
           if starts = '1' then
             kind_waits <= '0';
             full       <= '1';
-            tx_data    <= sent;
             tx_publish <= kind(4) and not outside;
-            crc        <= next_crc16(before, sent);
+            crc        <= epoch or (crc16_t'range => outside);
             state <= opened;
           end if;
         when opened =>
           unsent <= position;
           if complete = '1' then
-            state <= sending;
+            state <= filling;
           end if;
+        when filling =>
+          state <= sending;
         when sending =>
           if free = '1' then
             full    <= '1';
-            tx_data <= sent;
-            crc     <= next_crc16(before, sent);
+            crc     <= crc_now;
             unsent  <= unsent - 1;
             if unsent = 1 then
               state <= checking;
@@ -213,7 +225,9 @@ begin
         when checking =>
           if free = '1' then
             full    <= '1';
-            tx_data <= check_byte(crc, turn);
+            if turn = 0 then
+              crc <= crc_now;
+            end if;
             if turn = 2 then
               state <= closing;
             else
@@ -223,11 +237,19 @@ begin
         when closing =>
           if free = '1' then
             full    <= '1';
-            tx_data <= (others => '0');
             tx_last <= '1';
             state   <= resting;
           end if;
       end case;
+
+      if loads = '1' then
+        tx_data <= other;
+        if state = checking and turn = 0 then
+          tx_data <= check_byte(crc_now, 0);
+        elsif state = sending then
+          tx_data <= encoded;
+        end if;
+      end if;
 
       if reset = '1' then
         state      <= resting;

@@ -60,7 +60,8 @@ architecture rtl of framed is
   signal commands                     : dead_man_request_t;
   signal request                      : frame_request_t;
   signal take, rewind, request_done   : std_ulogic;
-  signal take_bytes                   : unsigned(7 downto 0);
+  signal take_more                    : unsigned(7 downto 0);
+  signal takes_many                   : std_ulogic;
   signal reply                        : frame_reply_t;
   signal reply_ready, reply_idle      : std_ulogic;
 
@@ -74,14 +75,16 @@ begin
     port map (
       clock => clock, reset => reset, epoch => epoch,
       frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
-      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done,
+      request => request, take => take, take_more => take_more, takes_many => takes_many, rewind => rewind,
+      done => request_done,
       alive => alive);
 
   application : entity work.frame_application
     generic map (settings => frame_settings)
     port map (
       clock => clock, reset => reset,
-      request => request, take => take, take_bytes => take_bytes, rewind => rewind, request_done => request_done,
+      request => request, take => take, take_more => take_more, takes_many => takes_many, rewind => rewind,
+      request_done => request_done,
       reply => reply, reply_ready => reply_ready, reply_idle => reply_idle, epoch => epoch,
       may_begin => may_begin, wants => wants, busy => busy, receive_overrun => receive_overrun,
       publish_overrun => subscription_response.overrun,

@@ -3,14 +3,13 @@
 -- Remembers which requests were executed, so that none is executed twice. There is one place for each id mod `window`.
 -- It holds the last id executed there, its status, and its reply if that was short.
 --
--- Ports     id: the id to look up. place_next: its lower byte, a clock before. Two clocks after the id these outputs
---           are about it:
+-- Ports     id: the id to look up. Two clocks after it these outputs are about it:
 --           new_id: it is later than the id of its place. repeated: it is the id of its place.
 --           order, with `before`: neither the id before it nor a later one of that place was executed.
 --           status, kept: of the cached reply. too_long: the reply was not kept.
 --           remember: the id takes its place, with status_in and the bytes given since `start`. forget: place number
 --           forget_index gets an id from before the session. keep: data_in is the next byte of a reply. recall:
---           data_out is taken, and the next byte comes two clocks later.
+--           data_out is taken, and the next byte comes three clocks later.
 -- Latency   Two clocks from the id to the outputs about it.
 -- Errors    Bytes beyond the size of a place are counted, not kept.
 
@@ -29,7 +28,6 @@ entity reply_cache is
   port (
     clock        : in  std_ulogic;
     id           : in  std_ulogic_vector(15 downto 0);
-    place_next   : in  byte_t;
     before       : in  std_ulogic;
     new_id       : out std_ulogic;
     repeated     : out std_ulogic;
@@ -66,8 +64,8 @@ architecture rtl of reply_cache is
   signal place, place_read : place_t;
   signal entry             : std_ulogic_vector(entry_bits - 1 downto 0);
   signal borrow            : std_ulogic := '0';  -- `entry` belongs to the turn before: `before`, at place 0
+  signal byte              : byte_t;
   signal ahead             : turn_t;  -- how far the id is ahead of the id of its place
-  signal ahead_before      : turn_t;
   signal same              : std_ulogic;  -- if the id itself is looked up
   signal count             : unsigned(4 downto 0) := (others => '0');  -- bytes of the reply; 17 means too many
   signal index             : unsigned(place_bits + 3 downto 0);
@@ -78,7 +76,7 @@ begin
     report "reply_cache: window must be a power of two" severity failure;
 
   place      <= unsigned(id(place_t'range));
-  place_read <= unsigned(place_next(place_t'range)) - unsigned'("" & before);
+  place_read <= place - unsigned'("" & before);
   -- A place holds the complement of its turn, because this sum needs fewer gates than the difference.
   ahead      <= turn_t(id(turn_t'range)) + turn_t(entry(entry_bits - 1 downto 9)) + unsigned'("" & not borrow);
   same       <= and (id(turn_t'range) xor entry(entry_bits - 1 downto 9));
@@ -92,8 +90,7 @@ begin
       too_long <= entry(4) and or entry(3 downto 0);
       new_id   <= not ahead(15) and not same;
       repeated <= same and nand entry(8 downto 5);  -- no_status means that nothing was executed
-      ahead_before <= ahead;
-      order    <= ahead_before(15) xor or ahead_before(14 downto place_bits);  -- later, or half way around
+      order    <= ahead(15) xor or ahead(14 downto place_bits);  -- later, or half way around
     end if;
   end process;
 
@@ -115,7 +112,7 @@ begin
       if (remember = '1' or forget = '1') and where = place_read then
         entry <= (others => '-');  -- block RAMs differ in what such a read gives
       end if;
-      borrow <= before and nor place_next(place_t'range);
+      borrow <= before and nor place;
     end if;
   end process;
 
@@ -124,12 +121,12 @@ begin
   keep_reply : process (clock)
   begin
     if rising_edge(clock) then
+      byte <= cache(to_integer(index));
       if keep = '1' and count(4) = '0' then
         cache(to_integer(index)) <= data_in;
+        byte <= (others => '-');  -- block RAMs differ in what such a read gives
       end if;
-      if keep = '0' then
-        data_out <= cache(to_integer(index));
-      end if;
+      data_out <= byte;  -- a register of its own, because a block RAM may be slow
       if start = '1' then
         count <= (others => '0');
       elsif (keep = '1' or recall = '1') and (count(4) and count(0)) = '0' then

@@ -20,9 +20,9 @@ architecture bench of frame_judge_tb is
   signal clock : std_ulogic := '0';
   signal ended : boolean := false;
 
-  signal judges, idles, reply_idle, new_id, repeated, not_kept, unordered, failed, silent_bus, denied_write, half,
+  signal judges, steps, reply_idle, new_id, repeated, not_kept, unordered, failed, silent_bus, denied_write, half,
          holds : std_ulogic := '0';
-  signal ahead, instruction : frame_instruction_t := nothing_done;
+  signal instruction : frame_instruction_t := nothing_done;
   signal request : frame_request_t := (entry => "00000", length => x"00", left => x"00", data => x"00", others => '0');
   signal data, word : word32_t := x"00000000";
   signal pointer : unsigned(9 downto 0) := (others => '0');
@@ -36,34 +36,34 @@ begin
   judge : entity work.frame_judge
     generic map (lists => true, exchanges => true, deadman => true)
     port map (
-      clock => clock, judges => judges, ahead => ahead, instruction => instruction, idles => idles,
-      request => request, reply_idle => reply_idle, data => data, word => word, pointer => pointer, count => count,
+      clock => clock, judges => judges, steps => steps, instruction => instruction, request => request,
+      reply_idle => reply_idle, data => data, word => word, pointer => pointer, count => count,
       flags => flags, marks => marks, shape => shape, new_id => new_id, repeated => repeated, not_kept => not_kept,
       unordered => unordered, failed => failed, silent_bus => silent_bus, denied_write => denied_write, half => half,
       holds => holds);
 
   play : process
 
-    -- The condition of the instruction ahead is judged now, and counts in the next clock.
+    -- The condition of the instruction is judged in its first clock, and counts from the next clock to its last one.
     procedure expects (condition, number_there : natural; value : std_ulogic; what : string;
                        inverted : std_ulogic := '0') is
       variable i : frame_instruction_t := number(number_there);
     begin
       i(condition_f) := std_ulogic_vector(to_unsigned(condition, 5));
       i(if_not)      := inverted;
-      ahead <= i;
-      pulse(clock, judges);
-      instruction <= loaded(i, '0');
-      ahead       <= nothing_done;
+      instruction <= i;
+      judges      <= '1';
+      wait for 1 ns;
+      check_equal(holds, '0', what & ": nothing is judged yet");
+      tick(clock);
+      judges      <= '0';
       wait for 1 ns;
       check_equal(holds, value, what);
       tick(clock);
       check_equal(holds, value, what & ", also later");
-      idles       <= '1';
-      instruction <= nothing_done;
+      pulse(clock, steps);
       wait for 1 ns;
-      check_equal(holds, '0', what & ": nothing is executed, so nothing jumps");
-      idles <= '0';
+      check_equal(holds, '0', what & ": it is over");
     end procedure;
 
     procedure expects_state (condition : natural; signal state : out std_ulogic; what : string;
@@ -118,6 +118,9 @@ begin
     expects(if_some_left, 0, '0', "some are left, inverted", inverted => '1');
     count <= x"00";
     expects(if_some_left, 0, '0', "none is left");
+    expects(if_over, 0, '1', "none is left, so it is over");
+    count <= x"01";
+    expects_state(if_over, failed, "it failed, so it is over");
 
     word <= x"12340100";
     expects(if_half_not, 0, '0', "equal halves");

@@ -97,6 +97,7 @@ begin
           check_equal(to_integer(request.length), length, "its length");
           for pass in 1 to 2 loop
             pulse(clock, rewind);
+            tick(clock);
             for place in 0 to length - 1 loop
               check_equal(to_integer(request.left), length - place, "bytes left");
               check_equal(request.data, payload(place), "byte " & integer'image(place));

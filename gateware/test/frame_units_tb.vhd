@@ -56,7 +56,7 @@ architecture bench of frame_units_tb is
     for place in p'range loop
       p(place)(number_f) := std_ulogic_vector(to_unsigned(place, 8));  -- so that the position can be seen
     end loop;
-    set(0, number(0) or act(do_begin), 32, never, 0);
+    set(0, number(1) or act(do_begin), 0, never, 0);
     set(34, number(34) or times(3), 5, if_failed, 9);
     set(5, number(5) or for_size(times_size), 6, never, 0);
     set(6, number(6) or for_size(times_rest), 7, never, 0);
@@ -64,18 +64,18 @@ architecture bench of frame_units_tb is
     set(20, number(20), 21, never, 0);
     set(21, number(21) or act(do_return), 0, never, 0);
     set(8, number(8) or act(do_dispatch), 64, never, 0);
-    set(66, number(66), 0, never, 0);
-    set(9, number(9) or for_size(times_wait), 12, if_low, 0);
-    set(12, number(12), 0, never, 0);
+    set(66, number(66) or times(2) or act(do_begin), 0, never, 0);
+    set(9, number(9), 12, if_low, 0);
+    set(12, number(12) or act(do_begin), 0, never, 0);
     return p;
   end function;
 
   type entries_t is array (1 to 5) of natural;
   constant says_nothing : entries_t := (4, 6, entry_check, entry_long, entry_kind);
 
-  signal act_now, holds, s_begins, judges, idles, first, last : std_ulogic := '0';
+  signal act_now, holds, s_begins, rests, judges, steps, waits, first, last : std_ulogic := '0';
   signal size        : unsigned(2 downto 0) := "011";
-  signal instruction, ahead : frame_instruction_t;
+  signal instruction : frame_instruction_t;
 
 begin
 
@@ -106,18 +106,39 @@ begin
     generic map (program => program, sizes => true)
     port map (
       clock => clock, reset => reset, act => act_now, holds => holds, begins => s_begins, entry => "00010",
-      operation => "0010", size => size, instruction => instruction, ahead => ahead, judges => judges, idles => idles,
-      first => first, last => last);
+      operation => "0010", size => size, instruction => instruction, rests => rests, judges => judges, steps => steps,
+      waits => waits, first => first, last => last);
 
   play : process
 
 
-    procedure at_place (place : natural; repetition_last : std_ulogic) is
+    procedure at_place (place : natural; repetition_last : std_ulogic; is_first : std_ulogic := '0';
+                        nothing_yet : std_ulogic := '0') is
     begin
+      act_now <= not nothing_yet;
       wait for 1 ns;
       check_equal(to_integer(unsigned(instruction(number_f))), place, "the instruction");
       check_equal(last, repetition_last, "its last time, at " & integer'image(place));
+      check_equal(judges, is_first, "its first clock, at " & integer'image(place));
+      check_equal(waits, nothing_yet, "it does nothing yet, at " & integer'image(place));
       tick(clock);
+    end procedure;
+
+    -- An instruction that is executed once.
+    procedure at_once (place : natural) is
+    begin
+      at_place(place, '1', '1', '1');
+      at_place(place, '1');
+    end procedure;
+
+    procedure at_rest (clocks : positive) is
+    begin
+      for count in 1 to clocks loop
+        wait for 1 ns;
+        check_equal(rests & judges, "10", "no work yet");
+        check_equal(instruction, nothing_done, "nothing is done");
+        tick(clock);
+      end loop;
     end procedure;
 
     procedure expects (number : natural; what : string) is
@@ -143,38 +164,46 @@ begin
 
     -- frame_memory
     index <= "011";
-    tick(clock);
-    check_equal(word, x"FFFFFFFE", "a word of the content");
+    tick(clock, 2);
+    check_equal(word, x"FFFFFFFE", "a word of the content, two clocks later");
     store <= store_count;
     tick(clock);
     store <= store_nothing;
-    tick(clock, 2);
+    tick(clock, 3);
     check_equal(word, x"FFFFFFFF", "one more");
     store <= store_count;
     tick(clock);
     store <= store_nothing;
-    tick(clock, 2);
+    tick(clock, 3);
     check_equal(word, x"FFFFFFFF", "no more than full");
     store <= store_next;
     tick(clock);
     store <= store_nothing;
-    tick(clock, 2);
+    tick(clock, 3);
     check_equal(word, x"00000000", "and around");
     put_word <= x"CAFE0123";
     index    <= "101";
     tick(clock);
+    store <= store_count;
+    tick(clock);
+    store <= store_nothing;
+    tick(clock, 3);
+    check_equal(word, x"00010000", "the word that was addressed in the clock before is counted up");
     enable   <= '0';
     store    <= store_data;
-    tick(clock, 2);
-    check_equal(word, x"0000FFFF", "nothing is stored unless it is enabled");
+    tick(clock);
+    store    <= store_nothing;
     enable   <= '1';
+    tick(clock, 3);
+    check_equal(word, x"00010000", "nothing is stored unless it is enabled");
+    store    <= store_data;
     tick(clock);
     index    <= "011";
     store    <= store_nothing;
-    tick(clock);
+    tick(clock, 2);
     check_equal(word, x"00000000", "another word is read while one is stored");
     index    <= "101";
-    tick(clock);
+    tick(clock, 2);
     check_equal(word, x"CAFE0123", "what was stored");
 
     -- frame_bus
@@ -263,44 +292,49 @@ begin
     expects(2, "a frame, which waits by itself");
 
     -- frame_sequencer
-    act_now <= '1';
+    pulse(clock, reset);
+    at_place(0, '1', '1', '1');  -- nothing is executed, and the first instruction is fetched
     at_place(0, '1');
-    at_place(0, '1');  -- no work yet
+    at_place(1, '1', '1');       -- it ends the work, so it has one clock
+    at_rest(3);
     s_begins <= '1';
-    at_place(0, '1');
+    at_rest(1);
     s_begins <= '0';
-    at_place(34, '0');
+    at_place(34, '0', '1');
     at_place(34, '0');
     act_now <= '0';
+    wait for 1 ns;
+    check_equal(last, '1', "the last time, but it waits");
+    tick(clock);
     at_place(34, '1');
-    act_now <= '1';
-    at_place(34, '1');
+    at_place(5, '0', '1', '1');  -- its number of times is loaded
     at_place(5, '0');
     at_place(5, '0');
     at_place(5, '1');
+    at_place(6, '0', '1', '1');
     for count in 1 to 4 loop
       at_place(6, '0');  -- 8 - size times
     end loop;
     at_place(6, '1');
-    at_place(7, '1');
-    at_place(20, '1');
-    at_place(21, '1');
-    at_place(8, '1');
+    at_once(7);
+    at_once(20);
+    at_once(21);
+    at_once(8);
+    at_place(66, '0', '1');
     at_place(66, '1');
-    at_place(0, '1');  -- the entry is fetched
+    at_rest(1);        -- the entry is fetched
     s_begins <= '1';
-    at_place(0, '1');
+    at_rest(1);
     s_begins <= '0';
-    at_place(34, '0');
+    at_place(34, '0', '1');
     at_place(34, '0');
     holds <= '1';
     at_place(34, '1');
     holds <= '0';
-    check_equal(idles, '1', "a jump costs a clock");
-    at_place(0, '1');
-    at_place(9, '1');  -- which need not wait any more
-    at_place(12, '1');
-    at_place(0, '1');
+    at_place(0, '1');  -- a jump costs a clock
+    at_once(9);
+    at_place(12, '1', '1');
+    at_rest(1);
 
     report_passed("frame_units_tb");
     ended <= true;

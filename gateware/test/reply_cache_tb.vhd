@@ -36,7 +36,7 @@ begin
   cache : entity work.reply_cache
     generic map (window => window)
     port map (
-      clock => clock, id => id, place_next => id(7 downto 0), before => before, new_id => new_id,
+      clock => clock, id => id, before => before, new_id => new_id,
       repeated => repeated, order => order, status => status, kept => kept, too_long => too_long,
       remember => remember, status_in => status_in, forget => forget, forget_index => forget_index, start => start,
       keep => keep, data_in => data_in, recall => recall, data_out => data_out);
@@ -76,11 +76,11 @@ begin
       place    := now_id mod window;
       distance := (now_id + 65536 - places(place).id) mod 65536;
       id <= std_ulogic_vector(to_unsigned(now_id, 16));
-      tick(clock, 3);
+      tick(clock, 2);
       check((new_id = '1') = (distance > 0 and distance < 32768), "new id " & integer'image(now_id));
       check((repeated = '1') = (distance = 0 and not places(place).empty), "repeated id " & integer'image(now_id));
       before <= '1';
-      tick(clock, 4);
+      tick(clock, 2);
       past     := (now_id + 65535) mod 65536;
       distance := (places(past mod window).id + 65536 - past) mod 65536;
       check((order = '1') = (distance >= 32768), "order before " & integer'image(now_id));
@@ -88,7 +88,7 @@ begin
         refusals := refusals + 1;
       end if;
       before <= '0';
-      tick(clock, 3);
+      tick(clock, 2);
       if repeated = '1' then
         check_equal(to_integer(unsigned(status)), places(place).status, "status");
         check((too_long = '1') = (places(place).length > 16), "too long");
@@ -96,7 +96,7 @@ begin
           check_equal(to_integer(kept), places(place).length, "length");
           pulse(clock, start);
           for index in 0 to places(place).length - 1 loop
-            tick(clock);
+            tick(clock, 2);
             check_equal(data_out, bytes(place, index), "byte " & integer'image(index));
             pulse(clock, recall);
           end loop;

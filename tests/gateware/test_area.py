@@ -106,3 +106,5 @@ def test_the_record_keeps_the_clock(flow: Any) -> None:
     assert limited
     for row in limited:
         assert RECORD[row.name]["ice40"]["mhz"] >= row.mhz_least
+        if row.ecp5_mhz_least is not None:
+            assert RECORD[row.name]["ecp5"]["mhz"] >= row.ecp5_mhz_least

@@ -303,7 +303,7 @@ def of_trips(times: Sequence[tuple[str, int, int]]) -> list[list[tuple[int, int]
 CAUGHT = {
     _write: (61, {OK: 1, DENIED: 0}),
     _write_list: (241, {OK: COUNT, ERROR: None, DENIED: 0}),
-    _exchange: (181, {OK: COUNT, ERROR: None, DENIED: 0}),
+    _exchange: (211, {OK: COUNT, ERROR: None, DENIED: 0}),
     _posts: (121, {OK: None}),
 }
 

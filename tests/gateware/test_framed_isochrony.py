@@ -46,7 +46,7 @@ CASES = {
     "16/32 bits": (2, 4, None, 1, "FP"),
     "16/32 bits, 10 clocks a byte": (2, 4, None, 10, "LSFP"),
     "8/8 bits, 10 clocks a byte": (1, 1, None, 10, "LSFP"),
-    "16/32 bits, 40 clocks a byte, requests of 8 words": (2, 4, 8, 40, "LLP"),
+    "16/32 bits, 40 clocks a byte, requests of 8 words": (2, 4, 8, 40, "LLSP"),
 }
 
 

@@ -29,10 +29,12 @@ def test_bench(ghdl: Any, bench: str) -> None:
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        (1, "needs what the one before it changes"),
-        (2, "needs what the one before it changes"),
+        (1, "jumps or ends the work in one clock"),
+        (2, "reads what the one before it stores"),
         (3, "uses a word at once after a jump"),
-        (4, "calls a routine of one instruction"),
+        (4, "takes a byte at once after many were taken"),
+        (5, "rewinds and takes a byte"),
+        (6, "reads what the one before it stores"),
     ],
 )
 def test_a_program_that_comes_too_early_is_refused(ghdl: Any, fault: int, message: str) -> None:

@@ -111,11 +111,13 @@ def fast_followers(program: Any, place: int) -> set[int]:
         return bool(program.words[at] >> bit & 1)
 
     following, target = program.words[place] & 0x1FF, program.words[place] >> 9 & 0x1FF
-    if does(place, "do_begin") or does(place, "do_dispatch"):
-        return {at for at in program.labels if at & ~0x1F == following or at & ~0xF == following}
+    jumps = program.words[place] >> 26 & 0x1F
+    if does(place, "do_begin"):
+        return {target} if jumps else set()
+    if does(place, "do_dispatch"):
+        return {at for at in program.labels if at & ~0xF == following}
     if does(place, "do_return"):
         return {program.words[at] >> 9 & 0x1FF for at in range(len(program.words)) if does(at, "do_call")}
-    jumps = program.words[place] >> 26 & 0x1F
     return {following, target} if jumps else {following}
 
 
@@ -125,7 +127,7 @@ def test_a_program_of_other_settings_is_told(tmp_path: Path) -> None:
     netlist = f"module unitylink_frame_sequencer_0a\n  wire [7:0] position;\n{rom}endmodule\n"
     made, calls = traced(netlist, str(tmp_path / "steps.txt"), LEAST)
     assert made.startswith(netlist.removesuffix("endmodule\n")) and "unitylink_step" in made
-    assert "next_work:" in calls
+    assert "write_ok:" in calls
     with pytest.raises(ToolError, match="not that of its settings; give RtlBoard the configuration"):
         traced(netlist, str(tmp_path / "steps.txt"), LEAST.replace("lists => false", "lists => true"))
     with pytest.raises(ToolError, match="the netlist has no engine"):

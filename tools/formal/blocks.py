@@ -282,8 +282,8 @@ BLOCKS = (
         mutants=(
             Mutant(
                 "frame_transmitter.vhd",
-                "codes <= reply.finish or nor reply.data;",
-                "codes <= reply.finish;",
+                "codes  <= ends or nor data;",
+                "codes  <= ends;",
             ),
             Mutant("frame_transmitter.vhd", "or (crc16_t'range => outside);", "or (crc16_t'range => '0');"),
             Mutant("frame_transmitter.vhd", "if turn = 2 then", "if turn = 1 then"),
@@ -292,19 +292,26 @@ BLOCKS = (
     Block(
         "frame_sequencer",
         "`framed/frame_sequencer`, a program of 256 different instructions",
-        depth=10,
+        depth=14,
         induction=1,
         seen={
             "steps": "dut.step",
             "fetches": "dut.fetches",
-            "skips": "dut.skips",
+            "fetched": "dut.fetched",
             "position": "dut.position",
         },
         not_proven="what the program does: that is the proof of `frame_application`",
         mutants=(
-            Mutant("frame_sequencer.vhd", "or now_done(do_begin) or reset;", "or now_done(do_begin);"),
-            Mutant("frame_sequencer.vhd", "act and is_last and", "is_last and"),
-            Mutant("frame_sequencer.vhd", "skips   <= holds or waits;", "skips   <= waits;"),
+            Mutant(
+                "frame_sequencer.vhd",
+                "fetches <= fresh or resting or (step",
+                "fetches <= fresh or (step",
+            ),
+            Mutant("frame_sequencer.vhd", "step    <= turn and is_last;", "step    <= turn;"),
+            Mutant("frame_sequencer.vhd", "(holds or now_done(do_begin)));", "now_done(do_begin));"),
+            Mutant(
+                "frame_sequencer.vhd", "waits   <= fresh and ((is_last", "waits   <= fresh and ((not is_last"
+            ),
             Mutant(
                 "frame_sequencer.vhd",
                 "fetched <= program(to_integer(position));",
@@ -316,7 +323,7 @@ BLOCKS = (
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
         depth=0,
-        deep=28,
+        deep=37,
         for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most"),
         without=(
             ("frame_application", "memory"),
@@ -332,7 +339,7 @@ BLOCKS = (
             "begins": "dut.begins",
             "steps": "dut.sequencer.step",
             "fetches": "dut.sequencer.fetches",
-            "skips": "dut.sequencer.skips",
+            "first_clock": "dut.judges",
             "position": "dut.sequencer.position",
             "choice": "dut.choice",
             "id": "dut.id",
@@ -352,8 +359,8 @@ BLOCKS = (
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
-                "times(s.address_bytes) or act(do_read), if_not_new, not_new);",
-                "times(s.address_bytes) or act(do_read));",
+                "times(2) or act(do_read), if_not_new, not_new);",
+                "times(2) or act(do_read));",
             ),
             # A request that was executed is forgotten. One case went well, the other failed.
             Mutant(
@@ -367,7 +374,11 @@ BLOCKS = (
                 "number(status_of_data) or act(do_done));",
             ),
             Mutant("frame_application.vhd", "request_done <= finishes and", "request_done <= does and"),
-            Mutant("frame_application.vhd", "does     <= (reply_ready or not says) and", "does     <="),
+            Mutant(
+                "frame_application.vhd",
+                "does     <= not waits and (reply_ready or not says) and",
+                "does     <= not waits and",
+            ),
             Mutant(
                 "frame_application.vhd",
                 "reads     <= finishes and not holds and",

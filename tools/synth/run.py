@@ -18,6 +18,7 @@ from flow import (
     ICE40,
     ROOT,
     TARGET_MHZ,
+    Chip,
     digest,
     map_cells,
     netlist_digest,
@@ -81,6 +82,9 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
         found.append(
             f"{row.name}: {ice40['memories']} block RAMs, and at most {row.memories_most} are allowed"
         )
+    ecp5 = now.get("ecp5", {})
+    if row.ecp5_mhz_least is not None and ecp5["mhz"] < row.ecp5_mhz_least:
+        found.append(f"{row.name}: {ecp5['mhz']} MHz on ECP5, and at least {row.ecp5_mhz_least} are asked")
     for chip in CHIPS:
         figures, before = now.get(chip), (recorded or {}).get(chip)
         if figures is None or before is None:
@@ -92,8 +96,10 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
     return found
 
 
-def limits(row: Row) -> str:
-    """Return the project's limits for the row, on iCE40."""
+def limits(row: Row, chip: Chip) -> str:
+    """Return the project's limits for the row on a chip."""
+    if chip is not ICE40:
+        return f"at least {row.ecp5_mhz_least:.0f} MHz" if row.ecp5_mhz_least else ""
     wanted = [f"at most {row.cells_most} cells"] if row.cells_most else []
     wanted += [f"at most {row.memories_most} block RAMs"] if row.memories_most else []
     wanted += [f"at least {row.mhz_least:.0f} MHz"] if row.mhz_least else []
@@ -143,7 +149,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
             lines.append(
                 f"| `{row.name}` | {row.what} | {f['cells']} | {f['luts']} | {f['flip_flops']} "
                 f"| {f['memories']} | {f['mhz']} ({low} to {high}) | {old} "
-                f"| {limits(row) if chip is ICE40 else ''} |"
+                f"| {limits(row, chip)} |"
             )
     return "\n".join([*lines, *_progress(figures)]) + "\n"
 

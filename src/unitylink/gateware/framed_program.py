@@ -65,7 +65,7 @@ _FIELD_OF = {"from": "source"} | {name: name for name in ("say", "take", "data",
 _COMPARES = ("low", "above", "pointer", "left_not", "not_plain")
 _BITS = ("flag", "mark", "shape")
 _SENDS = ("say_kind", "say_byte", "say_kept", "say_last")  # not the others: they only end or begin a payload
-_TIMES = {"times_wait": "a clock later", "times_size": "`size` times", "times_rest": "8 - `size` times"}
+_TIMES = {"times_size": "`size` times", "times_rest": "8 - `size` times"}
 FIELDS = {
     "say": "sends",
     "source": "what it sends",

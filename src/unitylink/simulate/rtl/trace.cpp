@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writes which instructions the small engine executes, a pass through its program at a time. A pass that executes the
+// Writes which instructions an engine executes, a pass through its program at a time. A pass that executes the
 // same instructions as the one before it is only counted: an engine that waits makes thousands of them.
 // trace.py defines TRACE_FILE, TRACE_NEXT and trace_lines.
 #include <cstdint>
@@ -14,8 +14,8 @@ class ProgramTrace {
   ProgramTrace(const ProgramTrace&) = delete;
   ProgramTrace& operator=(const ProgramTrace&) = delete;
   ~ProgramTrace() {
-    if (file_ == nullptr) return;
     end_pass();
+    if (file_ == nullptr) return;
     count_same();
     std::fclose(file_);
   }
@@ -27,8 +27,8 @@ class ProgramTrace {
     places_.push_back(place);
   }
 
- private:
   void end_pass() {
+    if (file_ == nullptr || places_.empty()) return;
     if (places_ == before_) {
       ++same_;
     } else {
@@ -43,6 +43,7 @@ class ProgramTrace {
     clocks_.clear();
   }
 
+ private:
   void count_same() {
     if (same_ > 0) std::fprintf(file_, "            the same %llu times\n\n", static_cast<unsigned long long>(same_));
     same_ = 0;
@@ -54,9 +55,14 @@ class ProgramTrace {
   std::uint64_t same_ = 0;
 };
 
-void unitylink_step(std::uint64_t clock, std::uint32_t place) {
+ProgramTrace& program_trace() {
   static ProgramTrace trace;
-  trace.step(clock, place);
+  return trace;
 }
+
+void unitylink_step(std::uint64_t clock, std::uint32_t place) { program_trace().step(clock, place); }
+
+// A pass ends that the program itself does not lead on from.
+[[maybe_unused]] void unitylink_pass() { program_trace().end_pass(); }
 
 }  // namespace

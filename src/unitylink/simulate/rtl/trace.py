@@ -19,6 +19,7 @@ _PROCESSOR, _SEQUENCER = (
 )
 _POSITION = re.compile(r"^  (?:reg|wire) \[(\d+):0\] position;$", re.MULTILINE)
 _PROGRAMS = {9: "plain", 10: "publishing"}  # highest bit of a place -> name of the program
+_NOWHERE = 0xFFFFFFFF  # no place: the program itself does not lead from one pass to the next
 _ROOM = [2 << bit for bit in _PROGRAMS]
 # In the clock in which `execute` is high, the place that was fetched last is executed.
 _STEPS = """
@@ -34,15 +35,18 @@ _STEPS = """
     end
   end
 """
-# Of the fast engine. While one instruction is executed, the one that follows is fetched.
+# Of the fast engine. While one instruction is executed, the one that follows is fetched. A pass is one work.
 _FAST_STEPS = """
   reg [{high}:0] traced_ahead, traced_place;
   reg [63:0] traced_clock = 0;
+  reg traced_idle = 1;  // nothing is executed
   always @(posedge clock) begin
     traced_clock <= traced_clock + 1;
+    if (step | reset) traced_idle <= clears;
     if (fetches) traced_ahead <= position;
     if (step) traced_place <= traced_ahead;
-    if (step & !waited & !reset) $c("unitylink_step(", traced_clock, ", ", traced_place, ");");
+    if (step & !traced_idle & !reset) $c("unitylink_step(", traced_clock, ", ", traced_place, ");");
+    if (step & resting) $c("unitylink_pass();");
   end
 """
 
@@ -67,7 +71,7 @@ def traceable(file: str, configuration: BoardConfiguration) -> str:
 
 def calls_of(places: Sequence[str], file: str) -> str:
     """Return the C++ that writes the text of each place, of `places`, into `file`."""
-    start = next(n for n, text in enumerate(places) if re.match(r"\w+ next(_work)?:", text))
+    start = next((n for n, text in enumerate(places) if re.match(r"\w+ next:", text)), _NOWHERE)
     head = [
         f"#define TRACE_FILE {json.dumps(file)}",
         f"#define TRACE_NEXT {start}u",

@@ -87,9 +87,9 @@ def _requests(
         characters = _REPLY_HEAD + said * d + p.FRAMED_LATENCY_FRAME_BYTES
         return _Request("LIST", clocks, characters, least, clocks - operations * checked)
 
-    group = p.FRAMED_LATENCY_DEFINE_GROUP_ADDRESS + 2 * a
+    group = p.FRAMED_LATENCY_DEFINE_GROUP_ADDRESS + 2 * max(a, 2)
     members = min(c.group_size, _fit(_GROUP_HEAD, a, None))
-    exchange = p.FRAMED_LATENCY_DEFINE_EXCHANGE_WORD + 2 * a
+    exchange = p.FRAMED_LATENCY_DEFINE_EXCHANGE_WORD + (2 * a if a < 4 else 10)
     registers = _COUNTERS if words is None else min(words, _COUNTERS)
     requests = [
         listed(reads, read, reads, reads * d),
