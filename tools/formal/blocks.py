@@ -323,7 +323,7 @@ BLOCKS = (
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
         depth=0,
-        deep=37,
+        deep=35,
         for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most"),
         without=(
             ("frame_application", "memory"),
