@@ -51,6 +51,12 @@ entity frame_application_formal is
     position        : in unsigned(7 downto 0);
     fetched         : out frame_instruction_t;
     executed        : out frame_instruction_t;
+    caller          : in unsigned(7 downto 0);
+    turns           : in unsigned(2 downto 0);
+    sees_missing    : in std_ulogic;
+    sees_not_new    : in std_ulogic;
+    sees_failed     : in std_ulogic;
+    marks           : in byte_t;
     choice          : in entry_t;
     id              : in std_ulogic_vector(15 downto 0);
     word_index      : in unsigned(7 downto 0);
@@ -124,6 +130,9 @@ architecture properties of frame_application_formal is
   signal id_before, id_then : std_ulogic_vector(15 downto 0) := (others => '0');
   signal after_reset : std_ulogic := '1';           -- the clock before was the last one of a reset
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
+  signal in_place  : std_ulogic;                    -- see frame_places
+  signal accessed  : std_ulogic;                    -- a request with an id has ended, and opened the bus
+  signal told_truly : std_ulogic;                   -- what was remembered is what was said and what the bus said
   signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
 
   -- GHDL 2.0 accepts only a limited number of terms in PSL, so the others are VHDL.
@@ -156,6 +165,10 @@ begin
                              (entry = entry_open or entry = request_kind_close_c mod 16));
   with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and
                                  entry /= request_kind_post_list_c mod 16);
+
+  accessed   <= at_rest and with_id and to_bit(accesses = 1);
+  told_truly <= to_bit(memories = 1 and remembered = kind(3 downto 0) and
+                       to_integer(unsigned(remembered)) = trouble);
 
   request.valid   <= stands;
   request.data    <= data;
@@ -295,6 +308,15 @@ begin
     end if;
   end process;
 
+  places : entity work.frame_places
+    generic map (program => program)
+    port map (
+      place_now => position_now, place_ahead => position_ahead, caller => caller, idle => idle, busy => busy,
+      first_clock => first_clock, jump => jump, begins => begins, turns => turns, sees_missing => sees_missing,
+      sees_not_new => sees_not_new, sees_failed => sees_failed, marks => marks, stands => stands,
+      waiting => request.entry, chosen => entry_now, entry => entry, frame => frame, routine => routine,
+      bus_open => bii.valid, accesses => accesses, memories => memories, judgements => judgements, holds => in_place);
+
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
@@ -375,17 +397,15 @@ begin
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
 
   -- The program does not loop: no id is judged more than twice.
-  judged_twice_most : assert always begun = '1' -> judgements <= 2;
+  judged_twice_most : assert always begun = '1' -> in_place = '1' and judgements <= 2;
 
   -- An access that succeeded is remembered with the status of the bus, which is also in its answer.
-  executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble = 0 ->
-                           holds(memories = 1 and remembered = kind(3 downto 0) and
-                                 to_integer(unsigned(remembered)) = trouble);
+  executed_is_remembered : assert always begun = '1' ->
+    in_place = '1' and holds(accessed = '0' or trouble /= 0 or told_truly = '1');
 
   -- An access that the bus refused or did not answer is remembered with that status, too.
-  failure_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble /= 0 ->
-                          holds(memories = 1 and remembered = kind(3 downto 0) and
-                                to_integer(unsigned(remembered)) = trouble);
+  failure_is_remembered : assert always begun = '1' ->
+    in_place = '1' and holds(accessed = '0' or trouble = 0 or told_truly = '1');
 
   -- A READ or WRITE that is remembered was executed.
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and
