@@ -105,6 +105,15 @@ architecture test of tosnet_ring_tb is
     return 15;
   end function;
 
+  function sum (numbers : naturals_t) return natural is
+    variable result : natural := 0;
+  begin
+    for place in numbers'range loop
+      result := result + numbers(place);
+    end loop;
+    return result;
+  end function;
+
   function all_ids return naturals_t is
     variable result : naturals_t(ring'range);
   begin
@@ -319,7 +328,11 @@ begin
       post_bytes <= size;
       post_id    <= target;
       post_message(place) <= not post_message(place);
-      wait for (nodes + 2) * cycle_time;
+      if target = 0 then
+        wait for (nodes + 2) * cycle_time; -- the last message: nothing comes late, either
+      else
+        wait until sum(heard_bytes) >= sum(bytes) + size for (nodes + 2) * cycle_time;
+      end if;
       for other in ring'range loop
         goes := other /= place and (target = 0 or ring(other).id = target);
         if goes then
