@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is proven about the components that talk over a line."""
+
+from __future__ import annotations
+
+from block import Block, Mutant
+
+LINE_BLOCKS = (
+    Block(
+        "uart_bridge",
+        "`components/uart_bridge`, queues of two bytes, half_duplex, a hold of 3 clocks; any lengths of bits",
+        depth=10,
+        pdr=True,
+        reach=70,
+        seen={
+            "sent": "dut.sent",
+            "send_data": "dut.send_data",
+            "tx_ready": "dut.tx_ready",
+            "rx_valid": "dut.rx_valid",
+            "rx_data": "dut.rx_data",
+            "rx_error": "dut.rx_error",
+            "rate": "dut.index",
+        },
+        loose=("dut.transmitter.phase", "dut.receiver.phase"),
+        not_proven="longer queues; a master that gives an access up",
+        mutants=(
+            Mutant("uart_bridge.vhd", "take  <= was_read(1) and came_1;", "take  <= was_read(1);"),
+            Mutant("uart_bridge.vhd", "if room = 0 and unsigned(wishbone_m2s.adr) = 0 then", "if false then"),
+            Mutant(
+                "uart_bridge.vhd", "timer <= hold_clocks;\n          if to_send = '0'", "if to_send = '0'"
+            ),
+            Mutant("uart_bridge.vhd", "to_bit(state = idle) and not to_send and", "not to_send and"),
+            Mutant("uart_bridge.vhd", "(is_half_duplex and tx_enable)", "'0'"),
+            Mutant("uart_bridge.vhd", "gap <= not put;", "gap <= '0';"),
+            Mutant("uart_bridge.vhd", "and not take and not (put and unread);", "and not take;"),
+            Mutant("uart_bridge.vhd", "if to_send = '0' and tx_ready = '1' then", "if to_send = '0' then"),
+        ),
+    ),
+)
