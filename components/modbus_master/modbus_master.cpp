@@ -90,6 +90,8 @@ class ModbusMaster final : public BusSequencer {
     const bool is_ready = line_.is_ready(edge);
     const bool came = edge == came_;
     const bool drove = drives_;
+    const bool was_at_rest = rests_;
+    rests_ = receiver_.settled(edge);
     if (is_talking() && is_ready) {
       line_.take(static_cast<std::uint8_t>(state_ == State::sending   ? data_
                                            : state_ == State::low_sum ? crc_
@@ -101,8 +103,12 @@ class ModbusMaster final : public BusSequencer {
       line_.step(edge);
     }
     output(tx, line_.level(), edge);
-    if (came || drove) {
-      silent_from_ = ticker_.state_of(ticker_.until(edge) + pause_us_) + 1;
+    if (!rests_) {
+      silent_from_ = never;
+    } else if (came || drove) {
+      start_pause(edge);
+    } else if (!was_at_rest) {
+      start_pause(edge - 1);
     }
     if (came) {
       came_ = never;
@@ -135,7 +141,7 @@ class ModbusMaster final : public BusSequencer {
   void turn(Clock edge, bool is_ready, bool came) {
     switch (state_) {
       case State::quiet:
-        if (edge >= silent_from_) {
+        if (is_silent(edge)) {
           drive(true, edge);
           lead_ends_ = edge + lead_clocks_;
           go(State::leading, edge);
@@ -174,7 +180,7 @@ class ModbusMaster final : public BusSequencer {
   void hear(Clock edge, bool came) {
     if (came && !receiver_.framing_error() && !receiver_.parity_error()) {
       take(receiver_.data(), edge);
-    } else if (came || (heard_ != 0 && edge >= silent_from_)) {
+    } else if (came || (heard_ != 0 && is_silent(edge))) {
       end(BusFailure::wrong_reply, reply_, edge);
     } else if (heard_ == 0 && edge >= late_from_) {
       end(BusFailure::no_answer, reply_, edge);
@@ -217,6 +223,10 @@ class ModbusMaster final : public BusSequencer {
     look_ = edge + 1;
   }
 
+  // The last edge with a sound on the line.
+  void start_pause(Clock edge) noexcept { silent_from_ = ticker_.state_of(ticker_.until(edge) + pause_us_) + 1; }
+  [[nodiscard]] bool is_silent(Clock edge) const noexcept { return rests_ && edge >= silent_from_; }
+
   void start_timer(Clock edge) noexcept { late_from_ = ticker_.state_of(ticker_.until(edge) + timeout_us_) + 1; }
 
   void drive(bool on, Clock edge) {
@@ -240,6 +250,7 @@ class ModbusMaster final : public BusSequencer {
   bool receives_ = false;
   bool talks_ = false;  // the request is still to end
   bool drives_ = false;
+  bool rests_ = true;  // the line is high
   bool refuses_ = false;
   bool has_sum_ = false;     // the first byte of the CRC has come
   std::uint32_t heard_ = 0;  // bytes of the reply, at most 2

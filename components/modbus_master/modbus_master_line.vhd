@@ -9,7 +9,8 @@
 --
 -- Requests  The bytes that are sent come first, then those of the reply. The CRC goes out before the first of the
 --           reply, or behind the last byte if there is no reply, as in a broadcast.
--- Pause     A frame begins when the line has been silent for 3.5 characters, 1.75 ms above 19,200 baud.
+-- Pause     A frame begins when the line has been silent for 3.5 characters, 1.75 ms above 19,200 baud. A low level
+--           counts as well as the end of a character, so no frame begins while a late reply comes in.
 -- Failures  no answer: nothing has come for timeout_us, or the line was never silent for so long. A wrong reply: a
 --           broken character, such a pause in the reply, or a wrong CRC. Refused: the second byte of the reply has
 --           bit 7 set; then the data are the code of the exception.
@@ -101,6 +102,7 @@ architecture rtl of modbus_master_line is
   signal tick     : std_ulogic;                       -- each us
   signal timer    : unsigned(bits_for(timeout_us + 1) - 1 downto 0) := (others => '0');
   signal silence  : unsigned(bits_for(pause_us + 1) - 1 downto 0) := (others => '0');
+  signal level    : std_ulogic;                       -- of the line, synchronous
   signal silent   : std_ulogic;
   signal late     : std_ulogic;
   signal lead     : unsigned(bits_for(lead_clocks) - 1 downto 0) := (others => '0');
@@ -128,10 +130,14 @@ begin
       clock => clock, reset => deaf, increment => open, line => rx, line_break => open, rx_valid => rx_valid,
       rx_ready => '1', rx_data => rx_data, rx_error => rx_error);
 
+  line : entity work.synchroniser
+    generic map (idle => '1')
+    port map (clock => clock, asynchronous(0) => rx, levels(0) => level);
+
   deaf      <= reset or drives;
   tx_enable <= drives;
   tx_valid  <= to_bit(state = sending or state = low_sum or state = high_sum);
-  silent    <= to_bit(silence = pause_us);
+  silent    <= to_bit(silence = pause_us) and level;
   late      <= to_bit(timer = timeout_us);
 
   with state select tx_data <=
@@ -164,7 +170,7 @@ begin
       if tick = '1' and late = '0' then
         timer <= timer + 1;
       end if;
-      if rx_valid = '1' or drives = '1' then
+      if rx_valid = '1' or drives = '1' or level = '0' then
         silence <= (others => '0');
       elsif tick = '1' and silent = '0' then
         silence <= silence + 1;

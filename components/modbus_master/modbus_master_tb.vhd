@@ -36,7 +36,7 @@ architecture test of modbus_master_tb is
   constant first_output : natural  := 8;
 
   type bytes_t is array (0 to 15) of byte_t;
-  type kind_t is (good, silent, wrong_crc, refused, short, broken, other_unit, too_long, babble);
+  type kind_t is (good, silent, wrong_crc, refused, short, broken, other_unit, too_long, babble, late);
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
@@ -44,6 +44,7 @@ architecture test of modbus_master_tb is
   signal s2m   : wishbone_s2m_t;
   signal done  : boolean := false;
   signal rx    : std_ulogic := '1';
+  signal puts  : boolean := false; -- a device sends a character
 
   signal tx, tx_enable, sampled, failed : std_ulogic;
 
@@ -124,7 +125,8 @@ begin
 
     procedure put (byte : byte_t; wrong_parity : boolean := false) is
     begin
-      rx <= '0';
+      rx   <= '0';
+      puts <= true;
       wait for bit_time;
       for place in 0 to 7 loop
         rx <= byte(place);
@@ -137,7 +139,8 @@ begin
         rx <= '0'; -- no stop bit
         wait for bit_time;
       end if;
-      rx <= '1';
+      rx   <= '1';
+      puts <= false;
       wait for bit_time * stop_bits;
     end procedure;
 
@@ -184,6 +187,13 @@ begin
       for place in 0 to sends - 1 loop
         put(answer(place));
       end loop;
+    elsif kind = late then
+      -- Characters that are a pause apart: the next one has begun when the time since the last one is over.
+      while kind = late loop
+        put(x"FF");
+        ended := now;
+        wait for pause;
+      end loop;
     elsif kind /= silent then
       if kind = wrong_crc then
         answer(4) := not answer(4);
@@ -202,6 +212,11 @@ begin
       end if;
       ended := now;
     end if;
+  end process;
+
+  driver : process (tx_enable) is
+  begin
+    check(not rising_edge(tx_enable) or not puts, "no frame begins while a character comes in");
   end process;
 
   master : process is
@@ -300,6 +315,15 @@ begin
     check_equal(failures, before + 1, "nobody is asked over a babbling line");
     kind <= good;
     await_end;
+
+    -- A device that answers too late.
+    kind <= late;
+    await_end;
+    await_end;
+    kind <= good;
+    await_end;
+    await_end;
+    expect_status('1', 1, 2, "behind a late reply");
 
     -- The known order, again and again.
     bus_write(clock, m2s, s2m, first_output, 3);

@@ -68,7 +68,7 @@ def replies_of_modbus(
             now += step
             continue
         handled, text = asked
-        late = draw.choice((0.1, 0.3, 0.6, 1.0)) * draw.random() * step
+        late = draw.choice((0.1, 0.3, 0.6, 1.0, 1.4)) * draw.random() * step
         levels = _levels(draw, _answer(draw, text), parity)
         found += changes(handled + 2 + late, bit * draw.uniform(0.98, 1.02), levels)
     yield from (one for one in found if one[0] < end - 20)

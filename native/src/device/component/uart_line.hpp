@@ -92,6 +92,11 @@ class UartReceiver {
     rate_ = Tick(clock_hz, baud_hz);
     start_ = (std::uint64_t{1} << (rate_.bits() - 1)) + 2 * rate_.increment();
   }
+  // The line behind the synchroniser, in the state before `edge`. Edges come in the order of time.
+  [[nodiscard]] bool settled(Clock edge) noexcept {
+    settle(edge);
+    return settled_;
+  }
   // The reset is released: `edge` is the last one with it.
   void release(Clock edge) noexcept {
     samples_ = {true, true};
