@@ -83,11 +83,10 @@ begin
       in_mask => in_mask, out_index => out_index, out_entry => out_entry, out_mask => out_mask,
       received_valid => received_valid, received_address => received_address, received_word => received_word,
       send_address => send_address, send_word => send_word, send => send, sent => sent,
-      packet_done => packet_done, fresh => fresh, broken => broken, foreign => foreign,
-      told => open, told_id => open, told_word => open,
-      send_waiting => send_waiting, send_id => send_id, send_begin => send_begin, send_step => send_step,
-      send_data => send_data, send_count => send_count, take_valid => take_valid, take_data => take_data,
-      take_keep => take_keep, take_count => take_count, take_id => take_id);
+      packet_done => packet_done, fresh => fresh, broken => broken, foreign => foreign, told => open, told_id => open,
+      told_word => open, send_waiting => send_waiting, send_id => send_id, send_begin => send_begin,
+      send_step => send_step, send_data => send_data, send_count => send_count, take_valid => take_valid,
+      take_data => take_data, take_keep => take_keep, take_count => take_count, take_id => take_id);
 
   around : process is
   begin
@@ -140,6 +139,7 @@ begin
     variable words    : addresses_t;         -- of the word that byte i completes, or -1 if the node does not take it
     variable slot     : natural;             -- where it begins
     variable missing  : std_ulogic_vector(15 downto 0); -- members that were not asked in this ring
+    variable untold   : natural;             -- answers of the slave since it has told spec_word
     variable asked    : natural;             -- by the master
 
     procedure put (came : byte_t; goes : byte_t; word : integer := -1) is
@@ -180,6 +180,7 @@ begin
       missing     := all_ids;
       nodes       <= to_unsigned(count, 4);
       own_address <= to_unsigned(own, 4);
+      untold      := 0;
       running     <= '1';
       tick(clock, 20); -- the master looks for the first one to ask
       missing(to_integer(unsigned(id))) := '0';
@@ -233,12 +234,14 @@ begin
     procedure make_slot (kind : natural; who : natural; bytes : natural) is
       constant low     : std_ulogic_vector(3 downto 0) := std_ulogic_vector(to_unsigned(who, 4));
       constant answers : boolean := not master and low = id and (kind = 9 or kind = 1);
+      constant turn    : boolean := tells and kind = 1 and untold = 0; -- to tell, even with a message
+      constant message : boolean := send_waiting = '1' and not turn;
       variable byte    : byte_t;
     begin
       byte := halves(kind, low);
       if not answers then
         put(byte, byte);
-      elsif send_waiting = '1' then
+      elsif message then
         put(byte, halves(10, id));
       else
         put(byte, halves(2, id));
@@ -246,7 +249,7 @@ begin
       for index in 0 to 11 loop
         byte := random.vector(8);
         put(byte, byte);
-        if answers and send_waiting = '1' then
+        if answers and message then
           expected(length - 1) := std_ulogic_vector(to_unsigned(16#40# + index, 8));
         elsif answers and tells and kind = 1 and index < 4 then
           expected(length - 1) := spec_word(8 * index + 7 downto 8 * index);
@@ -254,26 +257,21 @@ begin
       end loop;
       byte := halves(bytes, low);
       put(byte, byte);
-      if answers and send_waiting = '1' then
+      if answers and message then
         expected(length - 1) := std_ulogic_vector(send_count) & id;
       end if;
     end procedure;
 
     procedure give (gap : positive; is_good : boolean; from_this_ring : boolean := true) is
     begin
-      start <= '1';
-      tick(clock);
-      start <= '0';
+      pulse(clock, start);
       tick(clock, 30 + gap);
       for at in 0 to length - 1 loop
         data  <= packet(at);
         valid <= '1';
         wait for 1 ps;
-        if from_this_ring and at < slot then
-          check_equal(received_valid, to_bit(words(at) >= 0), "a word after byte " & integer'image(at));
-        else
-          check_equal(received_valid, '0', "a word after the words");
-        end if;
+        check_equal(received_valid, to_bit(from_this_ring and at < slot and words(at) >= 0),
+                    "a word after byte " & integer'image(at));
         if received_valid = '1' then
           check_equal(to_integer(unsigned(received_address)), words(at), "the address of a word");
           check_equal(received_word, packet(at) & packet(at - 1) & packet(at - 2) & packet(at - 3), "a word");
@@ -311,9 +309,7 @@ begin
     procedure master_sends is
       variable waiting : boolean := send_waiting = '1';
     begin
-      send <= '1';
-      tick(clock);
-      send <= '0';
+      pulse(clock, send);
       while sent = '0' loop
         tick(clock);
       end loop;
@@ -391,6 +387,10 @@ begin
         put(x"55", x"55");
       elsif fault = other_command then
         packet(0) := halves(random.integer_between(0, 9), random.vector(4));
+      end if;
+      if who = to_integer(unsigned(id)) and fault /= other_command and length > slot
+        and ((tells and kind = 1) or untold > 0) then
+        untold := (untold + 1) mod 8;
       end if;
       give(random.integer_between(6, symbol_clocks), fault /= damaged, fault /= other_command);
 

@@ -15,9 +15,10 @@
 -- Foreign   The slot names a node that this ring does not have, or, for the master, another one than it had asked:
 --           `foreign` is high for one clock. So two rings that are joined by mistake notice it within a cycle.
 -- Pressure  item_ready must be high whenever a slave has an item. A master waits.
--- Spec      A slave that has no message tells spec_word in the bytes of the empty slot, the lowest byte first. With
---           zero it tells nothing, like a node of 2010. To the master, `told` is high for one clock with the answer of
---           told_id: told_word is zero if that node has told nothing.
+-- Spec      A slave tells spec_word in the bytes of an empty slot, the lowest byte first, if it has no message, and in
+--           the first of eight answers if it has. With zero it tells nothing, like a node of 2010. To the master,
+--           `told` is high for one clock with an answer of told_id that is no message: told_word is zero if that node
+--           has told nothing.
 -- Channel   send_waiting: the mailbox has a message, to send_id. The master sends it, or asks the members in turn for
 --           theirs. A slave sends its own only when it is asked.
 
@@ -114,6 +115,7 @@ architecture rtl of tosnet_exchange is
   signal telling     : std_ulogic; -- this slave puts spec_word into the slot
   signal answered    : std_ulogic; -- the slot is an answer of the node that the master has asked
   signal spoke       : std_ulogic; -- … and has a message
+  signal untold      : unsigned(2 downto 0) := "000"; -- answers since this slave has told spec_word
   signal heard_word  : std_ulogic_vector(31 downto 0); -- the first bytes of the slot
   signal own_byte    : byte_t;
   signal three_bytes : std_ulogic_vector(23 downto 0); -- of the word that comes
@@ -162,6 +164,7 @@ begin
     variable whole    : std_ulogic;
     variable complete : std_ulogic;
     variable passed   : byte_t;
+    variable due_to_tell : std_ulogic;
   begin
     if rising_edge(clock) then
       in_item_valid  <= '0';
@@ -215,9 +218,13 @@ begin
               if data(3 downto 0) = id
                 and (kind = tosnet_wire_message_from_master_c or kind = tosnet_wire_no_message_from_master_c)
               then
-                answering <= send_waiting;
-                in_begin  <= send_waiting;
-                if send_waiting = '1' then
+                due_to_tell := to_bit(kind = tosnet_wire_no_message_from_master_c and untold = 0) and tells;
+                answering   <= send_waiting and not due_to_tell;
+                in_begin    <= send_waiting and not due_to_tell;
+                if untold > 0 or due_to_tell = '1' then
+                  untold <= untold + 1;
+                end if;
+                if send_waiting = '1' and due_to_tell = '0' then
                   passed := halves(tosnet_wire_message_from_node_c, id);
                 else
                   passed  := halves(tosnet_wire_no_message_from_node_c, id);
@@ -262,7 +269,7 @@ begin
           fresh         <= complete;
           foreign       <= good and stray;
           take_keep     <= complete and for_us;
-          told          <= complete and answered and not out_message;
+          told          <= complete and answered and not spoke and not out_message;
         end if;
       end if;
 
@@ -275,12 +282,13 @@ begin
         in_item_valid <= '0';
         take_keep     <= '0';
         told          <= '0';
+        untold        <= "000";
       end if;
     end if;
   end process;
 
   told_id   <= asked;
-  told_word <= heard_word and (31 downto 0 => not spoke);
+  told_word <= heard_word;
 
   sender : if may_be_master generate
 

@@ -17,7 +17,7 @@
 -- Channel   Messages go through the first ring.
 -- Spec      With spec_word, a master waits until each member has answered it once, in any ring, since it is in one that
 --           runs, and tells by `judged`. So a ring that starts again or stops does not stop the other one. If a member
---           tells another word than spec_word, other_spec is its id, until that ring stops.
+--           tells another word than spec_word, other_spec is its id until it is in no ring that runs.
 -- Time      With time_address below 1024, the rings share a clock (tosnet_clock), whose OUT word is there.
 -- Reset     All words are zero, but for those with a safe value, and the nodes join their rings.
 
@@ -114,7 +114,7 @@ architecture rtl of tosnet_rings is
   signal in_any         : std_ulogic_vector(15 downto 0) := (others => '0'); -- the members of rings that run
   signal lacks          : std_ulogic_vector(0 to rings - 1);
   signal answered       : std_ulogic_vector(15 downto 0) := (others => '0'); -- … that have answered in one of them
-  signal other          : fours_t(0 to rings - 1);   -- one that has told another
+  signal strange        : std_ulogic_vector(15 downto 0) := (others => '0'); -- … and have told another spec
   signal sees           : natural range 0 to rings - 1; -- the ring whose strobe the user has
 
   -- Of the master's packets.
@@ -244,16 +244,15 @@ begin
   compare : process (clock) is
   begin
     if rising_edge(clock) then
+      -- A member belongs to both rings. So what it has told in one counts as long as it is in any.
       answered <= answered and in_any;
+      strange  <= strange and in_any;
       for number in 0 to rings - 1 loop
         if told(number) = '1' then
           answered(to_integer(unsigned(told_id(number)))) <= '1';
           if unsigned(told_word(number)) /= 0 and told_word(number) /= spec_word then
-            other(number) <= unsigned(told_id(number));
+            strange(to_integer(unsigned(told_id(number)))) <= '1';
           end if;
-        end if;
-        if from_nodes(number).running = '0' then
-          other(number) <= "0000";
         end if;
       end loop;
       answered(id) <= '1';
@@ -263,9 +262,9 @@ begin
   judge : process (all) is
   begin
     other_spec <= "0000";
-    for number in 0 to rings - 1 loop
-      if from_nodes(number).running = '1' and other(number) /= 0 then
-        other_spec <= other(number);
+    for number in strange'range loop -- the lowest id is last
+      if (strange(number) and in_any(number)) = '1' then
+        other_spec <= to_unsigned(number, 4);
       end if;
     end loop;
     judged <= not (or (in_any and not answered)) or to_bit(unsigned(spec_word) = 0);

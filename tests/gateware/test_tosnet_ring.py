@@ -93,6 +93,14 @@ def test_a_node_of_another_spec_is_refused_by_its_id(ghdl: Any, other_spec: int)
     ghdl.run("tosnet_bridge_tb", slaves=2, rounds=1, watchdog_bits=3000, other_spec=other_spec)
 
 
+@pytest.mark.parametrize(
+    "options",
+    [{"rings": 2}, {"rings": 2, "talkative": True, "hand_overs": 1}, {"rings": 1, "hand_overs": 0}],
+)
+def test_no_command_reaches_a_node_of_another_spec_that_has_come(ghdl: Any, options: dict[str, Any]) -> None:
+    ghdl.run("tosnet_spec_tb", **options)
+
+
 @pytest.mark.parametrize(("check_bytes", "seed"), [(1, 1), (2, 2)])
 def test_a_cut_of_one_of_two_rings_costs_no_cycle(ghdl: Any, check_bytes: int, seed: int) -> None:
     ghdl.run(
