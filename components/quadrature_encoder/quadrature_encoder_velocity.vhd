@@ -73,6 +73,7 @@ architecture rtl of quadrature_encoder_velocity is
 
   signal a_before, b_before  : std_ulogic := '0';
   signal window              : window_t := (others => '0');
+  signal ends                : std_ulogic := '0'; -- the last clock of a window
   signal since               : time_t := (others => '0'); -- clocks since the last edge
   signal elapsed             : time_t := (others => '0'); -- since the edge where the way begins
   signal span                : time_t := (others => '0'); -- from there to the last edge
@@ -105,7 +106,8 @@ begin
   back  <= is_back;
 
   follow : process (clock) is
-    variable edge, up, ends : std_ulogic;
+    variable edge, up       : std_ulogic;
+    variable one            : signed(1 downto 0); -- up or down
     variable begun          : time_t; -- clocks since the way began
     variable way            : way_t;
   begin
@@ -114,7 +116,7 @@ begin
       b_before <= b;
       edge     := (a xor a_before) xor (b xor b_before);
       up       := a xor b_before;
-      ends     := '1' when window = window_clocks - 1 else '0';
+      ends     <= '1' when window = window_clocks - 2 else '0';
 
       stopped <= '0';
       window  <= window + 1;
@@ -144,10 +146,8 @@ begin
           begins_up <= up;
         else
           has_edge <= '1';
-          way      := way - 1;
-          if up = '1' then
-            way := way + 2;
-          end if;
+          one      := not up & '1';
+          way      := way + one;
         end if;
       end if;
       moved <= way;
@@ -163,6 +163,7 @@ begin
 
       if reset = '1' then
         window   <= (others => '0');
+        ends     <= '0';
         rests    <= '1';
         has_edge <= '0';
         moved    <= (others => '0');
@@ -201,7 +202,7 @@ begin
         end if;
         product   <= resize(unsigned(way(way_bits - 1 downto 0)), product_bits - zeros'length) & zeros;
         remainder <= (others => '0');
-        if window = window_clocks - 1 and rests = '0' then
+        if ends = '1' and rests = '0' then
           working <= '1';
         end if;
       elsif step < way_bits then
@@ -224,10 +225,11 @@ begin
       elsif hold = '0' then
         working <= '0';
         result  := product(speed_t'range);
+        fits    := '1' when last <= result else '0'; -- beside the look at the high bits, not behind it
         if product(product_bits - 1 downto data_width - 1) /= 0 then
           result := (others => '1');
+          fits   := '1';
         end if;
-        fits := '1' when last <= result else '0';
         if is_bound = '0' or fits = '0' then
           last    <= result;
           is_back <= turns;
