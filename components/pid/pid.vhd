@@ -83,7 +83,7 @@ architecture rtl of pid is
   subtype gain_t is unsigned(gain_bits - 1 downto 0);
   subtype term_t is signed(gain_bits downto 0);
   subtype sum_t is signed(2 * gain_bits + 3 downto 0);
-  subtype integral_t is signed(output_wire_bits + gain_bits downto 0);
+  subtype integral_t is signed(wide_bits - 1 downto 0);
   subtype limit_t is unsigned(output_wire_bits - 2 downto 0);
   subtype value_t is signed(output_wire_bits - 1 downto 0);
   subtype total_t is signed(2 * gain_bits + 8 downto 0);
@@ -100,6 +100,21 @@ architecture rtl of pid is
       return most;
     end if;
     return unsigned(word(limit_t'range));
+  end function;
+
+  -- Is a number at the upper limit or above, or is it below the lower one? Most of its bits are only compared with its
+  -- sign. So a long chain of carries is not needed.
+  function is_above (number : signed; upper : limit_t) return boolean is
+    constant bits : signed(number'length - 1 downto 0) := number;
+  begin
+    return bits(bits'high) = '0' and
+           ((or bits(bits'high downto value_t'high)) = '1' or unsigned(bits(limit_t'range)) >= upper);
+  end function;
+
+  function is_below (number : signed; lower : value_t) return boolean is
+    constant bits : signed(number'length - 1 downto 0) := number;
+  begin
+    return bits(bits'high) = '1' and ((and bits(bits'high downto value_t'high)) = '0' or bits(value_t'range) < lower);
   end function;
 
   -- What a wire or a register says of the target's motion. A wire that is valid comes first.
@@ -138,10 +153,12 @@ architecture rtl of pid is
   signal before    : signed(31 downto 0) := (others => '0'); -- the feedback of the last period
   signal moved     : signed(31 downto 0) := (others => '0');
   signal filtered  : signed(gain_bits - 1 downto 0) := (others => '0');
+  signal change    : term_t := (others => '0');
   signal sum       : sum_t := (others => '0');
   signal integral  : integral_t := (others => '0');
   signal result    : total_t := (others => '0');
   signal limit     : limit_t := (others => '0');             -- of this period
+  signal limit_low : value_t := (others => '0');             -- and the other one, below zero
   signal value     : value_t := to_signed(safe, output_wire_bits);
   signal is_high, is_low : std_ulogic := '0';                -- the output is at its limit
 
@@ -185,10 +202,8 @@ begin
 
   run : process (clock) is
     variable now, goal : signed(31 downto 0);
-    variable size      : unsigned(32 downto 0);
-    variable change    : signed(gain_bits downto 0);
+    variable size      : unsigned(31 downto 0);
     variable wide      : integral_t;
-    variable edge      : integral_t;
     variable addend    : term_t;
     variable doubled   : sum_t;
     variable whole     : signed(total_t'high - 16 downto 0);
@@ -239,18 +254,20 @@ begin
           state       <= smooth;
           operands(0) <= resize(limited(error, gain_bits), term_t'length);
           operands(1) <= resize(limited(moved, gain_bits - 8) & x"00", term_t'length);
-          size        := unsigned(resize(error, 33));
-          if error(error'high) = '1' then
-            size := unsigned(-resize(error, 33));
-          end if;
+          limit_low   <= -signed('0' & limit);
+          -- The size of a negative error is one more than its bits turned over. So no sum is before the comparison.
+          size        := unsigned(error xor (error'range => error(error'high)));
           trips       := lost = '1' or (unsigned(write_words(11)(gain_t'range)) /= 0 and
-                                        size > unsigned(write_words(11)(gain_t'range)));
+                                        (size > unsigned(write_words(11)(gain_t'range)) or
+                                         (error(error'high) = '1' and size = unsigned(write_words(11)(gain_t'range)))));
         when smooth =>
-          state    <= integrate;
-          change   := operands(1) - resize(filtered, term_t'length);
-          filtered <= resize(filtered + shift_right(change, filter_bits), gain_bits);
-          sum      <= (others => '0');
+          state  <= integrate;
+          change <= operands(1) - resize(filtered, term_t'length);
+          sum    <= (others => '0');
         when integrate =>
+          if bit_count = 0 and started = '1' then
+            filtered <= resize(filtered + shift_right(change, filter_bits), gain_bits);
+          end if;
           addend := operands(0) and (term_t'range => gains(ki)(gain_bits - 1));
           sum    <= shift_left(sum, 1) + addend;
           gains(ki) <= rotate_left(gains(ki), 1);
@@ -264,17 +281,16 @@ begin
           state <= clamp;
           wide  := integral;
           -- Not further to the side where the output is at its limit.
-          if not (is_high = '1' and sum > 0) and not (is_low = '1' and sum < 0) then
-            wide := limited(resize(sum, wide_bits) + resize(integral, wide_bits), integral_t'length);
+          if (is_high = '0' or sum(sum'high) = '1') and (is_low = '0' or sum(sum'high) = '0') then
+            wide := resize(sum, wide_bits) + integral;
           end if;
           integral <= wide;
         when clamp =>
           state <= weigh;
-          edge  := signed(resize(limit & (gain_bits - 1 downto 0 => '0'), integral_t'length));
-          if integral > edge then
-            integral <= edge;
-          elsif integral < -edge then
-            integral <= -edge;
+          if is_above(integral(integral_t'high downto gain_bits), limit) then
+            integral <= signed(resize(limit & (gain_bits - 1 downto 0 => '0'), integral_t'length));
+          elsif is_below(integral(integral_t'high downto gain_bits), limit_low) then
+            integral <= resize(limit_low & (gain_bits - 1 downto 0 => '0'), integral_t'length);
           end if;
           operands(1) <= -resize(filtered, term_t'length);
           sum         <= (others => '0');
@@ -307,11 +323,11 @@ begin
           is_low  <= '0';
           if started = '0' then
             null;
-          elsif whole >= signed('0' & limit) then
+          elsif is_above(whole, limit) then
             value   <= signed('0' & limit);
             is_high <= '1';
-          elsif whole <= -signed('0' & limit) then
-            value  <= -signed('0' & limit);
+          elsif is_below(whole, limit_low) or whole = limit_low then
+            value  <= limit_low;
             is_low <= '1';
           else
             value <= whole(value_t'range);
@@ -323,13 +339,15 @@ begin
         tripped    <= '1';
       end if;
       if runs = '0' or trips then
-        value    <= to_signed(safe, output_wire_bits);
+        value   <= to_signed(safe, output_wire_bits);
+        is_high <= '0';
+        is_low  <= '0';
+        fresh   <= '1';
+        started <= '0';
+      end if;
+      if runs = '0' then -- also a clock after it trips
         integral <= (others => '0');
         filtered <= (others => '0');
-        is_high  <= '0';
-        is_low   <= '0';
-        fresh    <= '1';
-        started  <= '0';
       end if;
 
       if reset = '1' then

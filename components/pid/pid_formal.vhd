@@ -22,10 +22,11 @@ entity pid_formal is
     started    : in std_ulogic;
     is_tripped : in std_ulogic;
     limit      : in unsigned(3 downto 0);
+    limit_low  : in signed(4 downto 0);
     is_high    : in std_ulogic;
     is_low     : in std_ulogic;
     sum        : in signed(51 downto 0);
-    integral   : in signed(29 downto 0);
+    integral   : in signed(52 downto 0);
     result     : in signed(56 downto 0)
   );
 end entity;
@@ -54,8 +55,8 @@ architecture properties of pid_formal is
   signal was_tripped         : std_ulogic := '0';
   signal value_1             : signed(31 downto 0) := (others => '0');
   signal limit_1             : unsigned(3 downto 0) := (others => '0');
-  signal integral_1          : signed(29 downto 0) := (others => '0');
-  signal brim                : signed(29 downto 0);
+  signal integral_1          : signed(52 downto 0) := (others => '0');
+  signal brim                : signed(52 downto 0);
   signal up, down            : std_ulogic := '0';              -- the output was at its limit, a clock ago
   signal added_up, added_down          : std_ulogic := '0';              -- a sum was added, a clock ago
   signal gave                : std_ulogic := '0';              -- the output of a period came, a clock ago
@@ -79,7 +80,7 @@ begin
   enable     <= words(32 * 15);
   runs       <= enable and not is_tripped;
   error_most <= unsigned(words(32 * 4 + 23 downto 32 * 4));
-  brim       <= shift_left(to_signed(most, 30), point);
+  brim       <= shift_left(to_signed(most, 53), point);
 
   judge : process (all) is
     variable size : unsigned(32 downto 0);
@@ -143,6 +144,9 @@ begin
 
   -- The output is always valid, and never beyond what its element can be.
   in_range : assert always begun = '1' -> is_valid(output_wire) = '1' and value <= most and value >= -most;
+
+  -- Behind the clock in which a period looks at its error, the lower limit is that of the period.
+  same_limits : assert always begun = '1' and state > look -> limit_low = -signed('0' & limit);
 
   -- A new output is within the limit of its period, or it is the safe one.
   within_limit : assert always begun = '1' and value /= value_1 and value /= safe ->

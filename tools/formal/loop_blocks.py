@@ -18,6 +18,7 @@ LOOP_BLOCKS = (
             "started": "dut.started",
             "is_tripped": "dut.is_tripped",
             "limit": "dut.limit",
+            "limit_low": "dut.limit_low",
             "is_high": "dut.is_high",
             "is_low": "dut.is_low",
             "sum": "dut.sum",
@@ -30,16 +31,25 @@ LOOP_BLOCKS = (
         mutants=(
             Mutant(
                 "pid.vhd",
-                "elsif whole <= -signed('0' & limit) then",
+                "elsif is_below(whole, limit_low) or whole = limit_low then",
                 "elsif whole < -signed('0' & most) then",
             ),
             Mutant("pid.vhd", "if started = '0' then", "if started = '0' and runs = '0' then"),
-            Mutant("pid.vhd", "not (is_high = '1' and sum > 0) and", "not (is_high = '1' and sum < 0) and"),
-            Mutant("pid.vhd", "elsif integral < -edge then", "elsif false then"),
+            Mutant(
+                "pid.vhd",
+                "if (is_high = '0' or sum(sum'high) = '1') and",
+                "if (is_high = '0' or sum(sum'high) = '0') and",
+            ),
+            Mutant(
+                "pid.vhd",
+                "elsif is_below(integral(integral_t'high downto gain_bits), limit_low) then",
+                "elsif false then",
+            ),
             Mutant("pid.vhd", "lost    <= not is_valid(feedback_wire);", "lost    <= '0';"),
             Mutant("pid.vhd", "if enable = '1' and enabled_before = '0' then", "if enable = '1' then"),
             Mutant("pid.vhd", "if runs = '0' or trips then", "if runs = '0' then"),
-            Mutant("pid.vhd", "size := unsigned(-resize(error, 33));", "null;"),
+            Mutant("pid.vhd", "unsigned(error xor (error'range => error(error'high)))", "unsigned(error)"),
+            Mutant("pid.vhd", "(error(error'high) = '1' and size =", "(false and size ="),
         ),
     ),
     Block(
