@@ -342,3 +342,14 @@ def test_a_node_of_another_spec_is_refused_by_its_id(monkeypatch: pytest.MonkeyP
         assert status.other_spec == 2
         with pytest.raises(NetworkOffline, match="node 2 was built from another spec"):
             network.write(0x84, 1)
+
+
+def test_values_of_a_node_may_have_the_names_of_its_own_ports(designs: Any) -> None:
+    taken = ["clock", "line_clocks", "line_baud_hz", "running", "strobe", "time_bits", "ring_in", "inputs"]
+    words = " ".join(f"@{name} = 0x{0x84 + 8 * n:X}: WRITE(SAFE=1);" for n, name in enumerate(taken))
+    given = ["line", "entity", "node", "entry"]
+    words += " ".join(f"@{name} = 0x{0x80 + 8 * n:X}: READ();" for n, name in enumerate(given))
+    spec = compiled(TWO_RINGS[: TWO_RINGS.index("j[4]")] + words + "}")
+    library = designs.library(spec)
+    for entity in ("ring_node_2", "ring_top"):
+        assert f"entity {entity}" in library.synthesise(entity, HARMLESS)

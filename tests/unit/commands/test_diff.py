@@ -156,3 +156,19 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     new.write_text("public", "utf-8")
     assert cli.main(["diff", str(old), str(new)]) == 1
     assert "UL010" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "what", "shown"),
+    [
+        ("RINGS=2", "rings", ("1", "2")),
+        ("CHECK_BYTES=2", "check_bytes", ("1", "2")),
+        ("TIME=0x40", "time", ("", "64")),
+        ("BAUD=25 MHz", "baud_hz", ("", "25000000")),
+    ],
+)
+def test_what_a_ring_is_like_is_a_difference(options: str, what: str, shown: tuple[str, str]) -> None:
+    text = "public net(u) { TOSNET(COMM=u, NODES=ring); @a = 0x80: READ(); }"
+    (one,) = compare(spec_of(text), spec_of(text.replace("=ring", f"=ring, {options}")))
+    assert (one.path, one.what) == ("net(u)", f"{what} of the ring at 0x0")
+    assert (one.before, one.after, one.compatible) == (*shown, False)

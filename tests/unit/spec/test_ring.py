@@ -156,6 +156,13 @@ def test_options_count_in_the_hash_only_if_given() -> None:
         ),
         ("@a = 0x80: READ();", ", CHECK_BYTES=2", "UL108", "CHECK_BYTES is of nodes behind a line"),
         ("@a = 0x80: READ();", ", NODES=ring, CHECK_BYTES=0", "UL049", "CHECK_BYTES is 0"),
+        (
+            "@a = 0x40: READ();",
+            ", NODES=ring",
+            "UL108",
+            "the PC's own node is 0, and nodes on a line have the ids 1 to 15",
+        ),
+        ("@a = 0x80: READ();", ", NODE=0, NODES=ring, RINGS=2", "UL108", "the PC's own node is 0"),
         ("@a = 0x80: READ();", ", TIME=0x40", "UL108", "TIME is of nodes behind a line"),
         ("@a = 0x80: READ();", ", NODES=ring, TIME=0x400", "UL049", "TIME is 1,024"),
         (

@@ -12,6 +12,7 @@ from unitylink.protocol import TOSNET_IN_BIT, TOSNET_NODE_SHIFT, TOSNET_REGISTER
 from unitylink.spec.model import Spec
 
 from ..quoting import Vhdl
+from .names import Names
 from .plan import NodeConstant, NodeParts, NodePort, Placed, Range, RingNode, Tosnet, Wire
 from .ring_line import samples_a_clock
 from .words import (
@@ -26,6 +27,13 @@ from .words import (
 
 Placer = Callable[[int, PlacedComponent, Mapping[tuple[str, str], int]], Placed]
 
+# What else is in the entity of a node, and in its architecture.
+_NODE_NAMES = """
+    clock reset ring_in ring_out running strobe exchange time_valid time_bits clock_hz line_baud_hz
+    line_clocks entry ring_time inputs outputs address_map slaves_m2s slaves_s2m master_m2s master_s2m
+    given taken wires sampled node carrier interconnect std_ulogic_vector unsigned word_vector_t
+    wishbone_m2s_vector_t wishbone_s2m_vector_t wishbone_m2s_t wishbone_s2m_t address_map_t wire_vector_t
+"""
 _NO_ADDRESSES = Vhdl("tosnet_no_addresses_c")
 _NOTHING = Vhdl("(1 to 0 => 0)")
 
@@ -89,9 +97,10 @@ def _node(
     safe = [(offset, word) for offset, word in tosnet.node_safe if tosnet.base + offset in takes]
     parts = [part for part in node_components_of(spec) if part.component.node == node.id]
     carried = {word.address for part in parts for word in part.component.carried}
+    names = Names(_NODE_NAMES.split())
     ports = tuple(
         NodePort(
-            name,
+            names.claim(name),
             (takes if to_node else gives).index(element.address),
             len(element.addresses),
             to_node,

@@ -104,6 +104,11 @@ class _Check:
 
     def _check_ids(self) -> None:
         own = self.ring.own
+        if own.id == 0 and self.ring.options.nodes == "ring":
+            message = "the PC's own node is 0, and nodes on a line have the ids 1 to 15"
+            hint = "write `NODE=1`, and move the values of node 1 to nodes 2 to 15"
+            self._at(_one(self.ring.nodes[0] if self.ring.nodes else own), "UL108", message, hint)
+            return
         if self.ring.options.node is not None:
             for element in (*own.obeys, *own.gives):
                 if element.access != "WRITE" or element in own.obeys:

@@ -11,9 +11,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from ..model import Element, Group, Instance, Publish, Spec
+from ..ring import rings_of
 from ..types import Field, ValueType
 
 # What each access allows a program to do.
@@ -204,6 +205,10 @@ def _facts(spec: Spec) -> dict[tuple[str, str], tuple[str, bool]]:
         path = f"{device.root}({device.comm})" if device.comm else device.root
         found[path, "data width"] = f"{device.link.data_bits} bits", False
         found[path, "base rate"] = f"{device.link.base_hz} Hz", False
+        for root in (one for one in spec.roots if one.name == device.root):
+            for ring in rings_of(root, device.comm):
+                for name, value in asdict(ring.options).items():
+                    found[path, f"{name} of the ring at {ring.base:#x}"] = _shown(value), False
     for root in spec.roots:
         found[root.name, "parameters"] = ", ".join(root.parameters), True
         waiting: list[tuple[str, Instance]] = [(root.name, root)]
