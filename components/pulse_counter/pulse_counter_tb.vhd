@@ -282,6 +282,21 @@ begin
       bus_expect(clock, m2s, s2m, address, 0);
     end loop;
 
+    -- Behind a reset within a block whose words had thawed, they stand again.
+    line <= '0';
+    settle;
+    bus_write(clock, m2s, s2m, 0, std_ulogic_vector'(x"00000005"), keep => true);
+    reset <= '1';
+    wait_clocks(clock, 6);
+    reset <= '0';
+    settle;
+    bus_expect(clock, m2s, s2m, 0, 0, keep => true);
+    beat(stable_clocks);
+    settle;
+    bus_expect(clock, m2s, s2m, 0, 0);
+    wait_clocks(clock, 2);
+    bus_expect(clock, m2s, s2m, 0, 1);
+
     wait_clocks(clock, 2);
     report_passed("pulse_counter_tb");
     done <= true;

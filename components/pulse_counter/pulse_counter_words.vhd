@@ -151,9 +151,10 @@ begin
       end if;
 
       if reset = '1' then
-        ack <= '0';
-        err <= '0';
-        put <= '0';
+        ack    <= '0';
+        err    <= '0';
+        put    <= '0';
+        thawed <= '0';
       end if;
     end if;
   end process;

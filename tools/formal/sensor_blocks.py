@@ -155,4 +155,27 @@ SENSOR_BLOCKS = (
             Mutant("one_wire.vhd", "if count(6 downto 4) = 0 then", "if count(5 downto 4) = 0 then"),
         ),
     ),
+    Block(
+        "pulse_counter_reads",
+        "`components/pulse_counter`, what the bus reads, of words that may be anything",
+        depth=12,
+        pdr=True,
+        reach=60,
+        seen={
+            "round": "dut.words.count",
+            "starting": "dut.words.starting",
+            "sum": "dut.words.sum",
+            "reads": "dut.words.reads",
+            "bank": "dut.words.bank",
+            "whole": "dut.words.whole",
+            "shown": "dut.words.shown",
+        },
+        loose=("dut.words.sum",),
+        not_proven="the frequency; a master that gives an access up",
+        mutants=(
+            Mutant("pulse_counter_words.vhd", "bank <= bank xor shown;", "bank <= not bank;"),
+            Mutant("pulse_counter_words.vhd", "thawed or (put and last)", "thawed"),
+            Mutant("pulse_counter_words.vhd", "if reads = '0' then", "if reads = '0' and second = '1' then"),
+        ),
+    ),
 )
