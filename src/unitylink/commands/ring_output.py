@@ -29,7 +29,19 @@ def ring_fields(ring: RingBudget) -> list[tuple[str, str]]:
         ),
         ("sensor to the PC's node", _span(ring.inward)),
         ("commit to the outputs", _span(ring.outward)),
+        *_beyond(ring),
     ]
+
+
+def _beyond(ring: RingBudget) -> list[tuple[str, str]]:
+    """Return what the ring has that the published one has not."""
+    parts = [
+        "two rings" if ring.rings > 1 else "",
+        f"a check of {8 * ring.check_bytes} bits" if ring.check_bytes > 1 else "",
+        "" if ring.time is None else f"a clock of all nodes in word 0x{ring.time:X}",
+    ]
+    text = ", ".join(filter(None, parts))
+    return [("beyond the published ring", text)] if text else []
 
 
 def print_ring(ring: RingBudget) -> None:

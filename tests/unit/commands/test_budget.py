@@ -60,6 +60,10 @@ def test_a_ring(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     shown = capsys.readouterr().out
     assert "cycle                    1.00 ms, 1,000 Hz, 52 us at best: 50 bytes" in shown
     assert "when    values" not in shown  # it publishes nothing
+    assert "beyond the published ring" not in shown
+    slow.write_text("public net(u) { TOSNET(COMM=u, NODES=ring, RINGS=2, TIME=0x41); @a = 0x80: READ(); }")
+    assert main(["budget", str(slow)]) == 0
+    assert "two rings, a clock of all nodes in word 0x41" in capsys.readouterr().out
 
 
 def test_the_ring_of_a_device(capsys: pytest.CaptureFixture[str]) -> None:

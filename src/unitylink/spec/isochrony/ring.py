@@ -49,7 +49,8 @@ class RingBudget:
     """A ring of a device. Times are in seconds. The first node is the PC's own.
 
     `shortest_s` is the shortest cycle, and `cycle_s` the one that the spec asks for. `inward` is the time
-    from a node's sensor to the PC's node, and `outward` that from a commit to the outputs of the nodes.
+    from a node's sensor to the PC's node, and `outward` that from a commit to the outputs of the nodes. `rings`,
+    `check_bytes` and `time` are those of `RingOptions`.
     """
 
     base: int
@@ -61,6 +62,9 @@ class RingBudget:
     cycle_s: float
     inward: Span
     outward: Span
+    rings: int = 1
+    check_bytes: int = 1
+    time: int | None = None
     publishes: tuple[RingPublish, ...] = ()
 
 
@@ -86,6 +90,9 @@ def ring_budget(ring: Ring) -> RingBudget:
         cycle_s=cycle_s,
         inward=way,
         outward=way,
+        rings=ring.options.rings,
+        check_bytes=ring.options.check_bytes,
+        time=ring.options.time,
     )
 
 
