@@ -90,7 +90,7 @@ architecture properties of frame_application_formal is
   signal position_ahead, position_now : unsigned(7 downto 0) := (others => '0');
   signal idle : std_ulogic := '1';  -- nothing is executed
 
-  subtype constants_t is natural range word_zero to word_defined;
+  subtype constants_t is natural range word_zero to word_two;
 
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
   signal started : std_ulogic := '0';  -- and so is the start of the program after it
@@ -282,6 +282,9 @@ begin
       if begins = '1' then
         entry    <= to_integer(unsigned(entry_now));
         frame    <= to_bit(unsigned(entry_now) < entry_trip);
+        if unsigned(entry_now) < entry_trip then
+          entry <= to_integer(unsigned(request.entry));
+        end if;
         had_id   <= to_bit(length >= 2);
         dones    <= 0;
         kinds    <= 0;

@@ -39,6 +39,9 @@ package frame_facts_pkg is
   function begins_work(entry : natural) return boolean;
   function has_id(entry : natural) return boolean;
 
+  -- The entry in the program for a frame: most requests have the same one (frame_dispatcher).
+  function place_of(entry : natural) return natural;
+
 end package;
 
 package body frame_facts_pkg is
@@ -47,6 +50,14 @@ package body frame_facts_pkg is
   begin
     return entry > 1 and entry < 15 and entry /= request_kind_post_c mod 16 and
            entry /= request_kind_post_list_c mod 16;
+  end function;
+
+  function place_of(entry : natural) return natural is
+  begin
+    if has_id(entry) and entry /= request_kind_read_c mod 16 and entry /= request_kind_write_c mod 16 then
+      return entry_unknown;
+    end if;
+    return entry;
   end function;
 
   function begins_work(entry : natural) return boolean is
@@ -102,9 +113,9 @@ package body frame_facts_pkg is
     table(0)(strange) := '1';
     for entry in 0 to 31 loop
       if begins_work(entry) then
-        table(first_of_entries + entry)(first) := '1';
+        table(first_of_entries + place_of(entry))(first) := '1';
         if not has_id(entry) then
-          table(first_of_entries + entry)(strange) := '1';
+          table(first_of_entries + place_of(entry))(strange) := '1';
         end if;
       end if;
     end loop;

@@ -97,7 +97,8 @@ begin
       if begins = '1' then
         ok := ok and marks = x"00" and place_ahead = first_of_entries + to_integer(unsigned(chosen)) and
               begins_work(to_integer(unsigned(chosen))) and
-              (unsigned(chosen) >= entry_trip or (stands = '1' and chosen = waiting));
+              (unsigned(chosen) >= entry_trip or
+               (stands = '1' and unsigned(chosen) = place_of(to_integer(unsigned(waiting)))));
       end if;
     elsif idle = '1' then  -- it jumps
       ok := ok and jump = '0' and is_true(to_integer(place_ahead), routine);

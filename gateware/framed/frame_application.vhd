@@ -82,6 +82,9 @@ architecture rtl of frame_application is
   signal instruction  : frame_instruction_t;
   signal number_now, said, recalled : byte_t;
   signal first, last, holds, pending, begins : std_ulogic;
+  signal late         : std_ulogic;  -- it is executed once more at most
+  signal early        : std_ulogic;  -- the word that is to be sent is not there yet
+  signal silent       : std_ulogic;  -- the word is that of an access without an answer
   signal rests        : std_ulogic;  -- it waits for work
   signal act_now      : std_ulogic;  -- the instruction is executed in this clock
   signal sets_rate    : std_ulogic;  -- and waits for the end of that
@@ -102,7 +105,8 @@ architecture rtl of frame_application is
   signal count_down   : unsigned(7 downto 0);
   signal count, group_number : unsigned(7 downto 0) := (others => '0');
   signal size         : unsigned(2 downto 0) := (others => '0');
-  signal flags, own_flags : byte_t := (others => '0');
+  signal flags : byte_t;
+  signal own_flags : byte_t := byte_t(to_unsigned(flag_untold, 8));
   signal sets, clears : std_ulogic;  -- flags to set and to clear in this clock
   signal marks, shape : byte_t := (others => '0');
   signal passes       : std_ulogic;  -- the instruction is take_item, and takes nothing: all words have one address
@@ -136,7 +140,7 @@ begin
     port map (
       clock => clock, reset => reset, act => act_now, holds => holds, begins => begins,
       entry => choice, operation => request.entry(3 downto 0), size => size, instruction => instruction,
-      rests => rests, judges => judges, steps => steps, waits => waits, first => first, last => last);
+      rests => rests, judges => judges, steps => steps, waits => waits, first => first, last => last, late => late);
 
   judge : entity work.frame_judge
     generic map (lists => lists, exchanges => exchanges > 0, deadman => deadman)
@@ -199,6 +203,8 @@ begin
 
   -- What is sent.
 
+  early <= to_bit(instruction(source_f) = from_half) and not late;
+
   -- A status: of the cached reply, of `data`, or of the instruction.
   status_now <= data(3 downto 0) when number_now(5) = '1' else number_now(3 downto 0);
 
@@ -210,7 +216,7 @@ begin
       when from_word  => said <= data(8 * data_bytes - 1 downto 8 * data_bytes - 8);
       when from_half  =>
         said <= word(7 downto 0);
-        if first = '1' then
+        if last = '0' then
           said <= word(15 downto 8);
         end if;
       when from_id    => said <= id(15 downto 8);
@@ -225,7 +231,7 @@ begin
         end if;
       when others     => said <= number_now;
     end case;
-    what          := instruction(say_f);
+    what          := instruction(say_f) and not (say_f => early);
     reply.put     <= does and to_bit(what = say_byte or what = say_kept);
     reply.kind    <= does and to_bit(what = say_kind or what = say_last);
     reply.finish  <= does and to_bit(what = say_end or what = say_last);
@@ -250,12 +256,15 @@ begin
   rewind       <= (judges and instruction(do_rewind)) or (rests and not begins);
   request_done <= finishes and instruction(do_done);
 
-  word_index <= pointer when instruction(do_pointer) = '1' else resize(unsigned(number_now), pointer'length);
+  -- What belongs to a bus error and to a timeout differs in the lowest three bits of its place.
+  word_index <= pointer when instruction(do_pointer) = '1' else
+                resize(unsigned(number_now xor ("00000" & (2 downto 0 => silent))), pointer'length);
+  silent     <= silent_bus and to_bit(instruction(special_f) = by_silence);
 
-  remember <= finishes and instruction(do_place);
+  remember <= finishes and instruction(do_place) and nor (marks and byte_t(to_unsigned(mark_repeated, 8)));
   forget   <= finishes and to_bit(instruction(special_f) = forget_place);
   starts   <= rests or (does and to_bit(instruction(say_f) = say_again));
-  keep     <= does and to_bit(instruction(say_f) = say_kept);
+  keep     <= does and to_bit(instruction(say_f) = say_kept) and not early;
   recall   <= does and to_bit(instruction(source_f) = from_cache);
   look     <= finishes and to_bit(instruction(special_f) = half_turn);
   publish   <= subscription_response.publish and flags(2);
@@ -389,7 +398,7 @@ begin
 
       if reset = '1' then
         epoch_now <= (others => '1');
-        own_flags <= (others => '0');
+        own_flags <= byte_t(to_unsigned(flag_untold, 8));
       end if;
     end if;
   end process;

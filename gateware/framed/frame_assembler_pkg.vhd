@@ -25,34 +25,29 @@ package frame_assembler_pkg is
 
   type label_t is (
     -- shared
-    next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
-    finish_plain, write_ok, write_failed, write_denied,
-    invalid, bad_address, denied, too_long, order,
-    behind, no_group, failed, count_failure, count_silence, count_denial, drop_kind, drop_stale, drop_done, clear_next,
-    cleared,
+    next_work, head, counted, answer, tail_ok, end_ok, end_plain, end_counted, end_failed, finish_ok, write_ok,
+    write_failed, write_denied, invalid, invalid_too, bad_address, denied, denied_too, too_long, order, behind,
+    no_group, failed, count_failure, load_failure, count_denial, drop_kind, drop_stale, drop_done, tell_closed,
+    clear_next, cleared,
     -- sessions
-    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer,
-    close_wait, session_begins, begin_next, begin_rest,
-    forget_next, forgotten,
+    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins,
+    begin_next, begin_rest, forget_next, forgotten,
     -- requests
     general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch,
     skip_barrier, check_order, check_barrier, not_new, duplicate, duplicate_next, repeat, exec_read, exec_write,
     -- control registers, time, dead-man
-    registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
-    registers_kept, registers_say, turn_down, write_arm,
-    write_publish, write_ticks,
+    registers_next, registers_word, registers_time, registers_turn, registers_high, registers_said, registers_say,
+    turn_down, write_arm, write_publish, write_ticks,
     -- posts
     post_other, post_old, post_denied, post_stopped, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
-    list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads, list_plain,
-    list_free,
-    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_over,
-    run_reads, run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again,
-    list_executed, list_failed,
+    list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads,
+    list_plain, list_free, list_tripped, list_has_fifo, list_ok, list_execute, run, run_go, run_words, run_write,
+    run_over, run_reads, run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once,
+    run_again, list_executed, list_failed, list_done,
     -- exchange groups
-    define_outputs, define_second, define_inputs, define_entries,
-    exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
-    exchange_inputs,
+    define_member, define_second, define_entries, exchange_defined, exchange_tripped, exchange_go, exchange_out,
+    exchange_outputs, exchange_in, exchange_inputs,
     -- publish groups
     group_words, group_go, group_store, group_filled, group_end, publish_word, publish_end, publish_failed);
 
@@ -91,6 +86,12 @@ package frame_assembler_pkg is
   -- Sets `pointer` to a place in the memory.
   procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
 
+  -- The same, by the last instruction.
+  procedure also_point(p : inout assembler_t; place : natural);
+
+  -- An instruction that loads a word of the memory into `data`.
+  function loaded(place : natural) return frame_instruction_t;
+
   -- Increments a counter of the control registers.
   procedure bump(p : inout assembler_t; counter : natural; i : frame_instruction_t := nothing_done);
 
@@ -106,6 +107,9 @@ package frame_assembler_pkg is
 
   -- Sends the lower half of a word that the instruction before has addressed.
   procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural);
+
+  -- Addresses a word, and sends its lower half.
+  procedure find_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural);
 
   -- Sends id and count of posts, with which every reply begins.
   procedure say_head(p : inout assembler_t);
@@ -169,6 +173,8 @@ package body frame_assembler_pkg is
   begin
     if label_name = next_work then
       p.code(p.last)(do_begin) := '1';
+    elsif p.code(p.last)(do_call) = '1' then  -- behind the routine
+      p.code(p.last)(target_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
     else
       p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
     end if;
@@ -176,7 +182,13 @@ package body frame_assembler_pkg is
 
   procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
   begin
-    put(p, i or act(do_point));
+    put(p, i);
+    also_point(p, place);
+  end procedure;
+
+  procedure also_point(p : inout assembler_t; place : natural) is
+  begin
+    p.code(p.last)(do_point) := '1';
     p.code(p.last)(target_f) := std_ulogic_vector(to_unsigned(place mod 512, 9));
     p.code(p.last)(far_f)    := std_ulogic_vector(to_unsigned(place / 512, 1));
   end procedure;
@@ -186,9 +198,14 @@ package body frame_assembler_pkg is
     put(p, store(store_count, counter) or times(2) or i);
   end procedure;
 
+  function loaded(place : natural) return frame_instruction_t is
+  begin
+    return data(data_word) or number(place) or times(3);
+  end function;
+
   procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
   begin
-    put(p, data(data_word) or number(place) or times(3) or i);
+    put(p, loaded(place) or i);
   end procedure;
 
   procedure take_bytes(p : inout assembler_t; bytes : positive;
@@ -207,6 +224,11 @@ package body frame_assembler_pkg is
   procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural) is
   begin
     put(p, say(what, from_half) or times(2) or number(place));
+  end procedure;
+
+  procedure find_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural) is
+  begin
+    put(p, say(what, from_half) or times(4) or number(place));
   end procedure;
 
   procedure say_head(p : inout assembler_t) is

@@ -3,6 +3,7 @@
 -- Chooses what the framed application does next: an event of the core, a publish, or the next frame.
 --
 -- Ports     asks: the program asks for work. wants: there is some. choice: what it is now, an entry of frame_pkg.
+--           READ, WRITE, POST and POST_LIST have one each. All other requests have entry_unknown.
 --           pending: there was some in the clock before, and the program asked for it. begins: what was chosen then is
 --           taken. counted: it is the trip.
 --           receive_overrun, publish_overrun: one-clock pulses, each kept until it is taken. tripped: the dead-man has
@@ -54,6 +55,7 @@ architecture rtl of frame_dispatcher is
   signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not yet taken
   signal due    : std_ulogic;
   signal chosen : entry_t;  -- in this clock
+  signal place  : entry_t;  -- of the frame
   signal line_overran, overran, counts : std_ulogic := '0';  -- what was chosen in the clock before
   signal says_nothing : std_ulogic;  -- the frame gets no answer
 
@@ -73,10 +75,24 @@ begin
     end case;
   end process;
 
+  -- The program has one place for all requests that it looks at byte by byte.
+  find_place : process (all)
+  begin
+    place <= frame_entry;
+    case to_integer(unsigned(frame_entry)) is
+      when request_kind_read_c mod 16 | request_kind_write_c mod 16 | request_kind_post_c mod 16 |
+          request_kind_post_list_c mod 16 => null;
+      when others =>
+        if frame_entry(4) = '0' then
+          place <= std_ulogic_vector(to_unsigned(entry_unknown, 5));
+        end if;
+    end case;
+  end process;
+
   choose : process (all)
   begin
     due    <= '1';
-    chosen <= frame_entry;
+    chosen <= place;
     if turned = '1' then
       chosen <= std_ulogic_vector(to_unsigned(entry_half_turn, 5));
     elsif receive_overran = '1' then

@@ -22,33 +22,33 @@ end package;
 package body frame_group_pkg is
 
   procedure define_exchange(p : inout assembler_t; s : frame_settings_t) is
-
-    -- Checks the address and the number of bytes of each member, and adds that number to a word.
-    procedure check_members(next_entry, done : label_t; sum : natural) is
-    begin
-      put(p, also(load_count));
-      at(p, next_entry);
-      put(p, act(if_not), if_some_left, done);
-      put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
-      put(p, take(take_first), if_missing, invalid);
-      put(p, number(0), if_low, invalid);
-      put(p, number(s.data_bytes), if_above, invalid);
-      put(p, data(data_add) or store(store_data, sum) or times(3) or act(do_count));
-      go_to(p, next_entry);
-    end procedure;
+    -- The reply may be too long, if the inputs of a group are long.
+    constant sums_inputs : boolean := s.exchange_size * s.data_bytes > s.reply_max - 4;
   begin
     at_form(p, request_kind_define_exchange_c);
     put(p, take(take_skip), if_missing, invalid);
     load(p, word_defined);
     put(p, store(store_data, word_out_size));
-    load(p, word_zero);
-    put(p, store(store_data, word_in_size));
+    if sums_inputs then
+      load(p, word_zero);
+      put(p, store(store_data, word_in_size));
+    end if;
     put(p, take(take_first) or times(2) or store(store_data, word_counts), if_missing, invalid);
-    put(p, data(data_turn) or times(3));
-    check_members(define_outputs, define_second, word_out_size);
+    -- Checks the address and the number of bytes of each member, and adds that number to the word of its kind.
+    point(p, word_out_size, data(data_turn) or also(load_count) or times(4));  -- the fourth byte
+    at(p, define_member);
+    put(p, act(if_not), if_some_left, define_second);
+    put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
+    put(p, take(take_first), if_missing, invalid);
+    put(p, number(0), if_low, invalid);
+    put(p, number(s.data_bytes), if_above, invalid);
+    put(p, data(data_add) or store(store_data, 0) or act(do_pointer) or times(3) or act(do_count));
+    go_to(p, define_member);
     at(p, define_second);
+    put(p, number(word_in_size), if_pointer, form_end);
     load(p, word_counts);
-    check_members(define_inputs, form_end, word_in_size);
+    point(p, word_in_size, also(load_count));
+    go_to(p, define_member);
 
     at_check(p, request_kind_define_exchange_c);
     put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
@@ -57,10 +57,11 @@ package body frame_group_pkg is
     put(p, take(take_first));
     put(p, data(data_add) or number(word_operand) or times(3));
     put(p, also(load_count, s.exchange_size), if_above, no_group);  -- members of both kinds
-    load(p, word_in_size);
-    put(p, number(s.reply_max - 4), if_above, too_long);
-    load(p, word_counts);
-    point(p, exchange_base(s), act(do_point_other));
+    if sums_inputs then
+      load(p, word_in_size);
+      put(p, number(s.reply_max - 4), if_above, too_long);
+    end if;
+    point(p, exchange_base(s), loaded(word_counts) or act(do_point_other));
     put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
     load(p, word_out_size);
     put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
@@ -111,12 +112,9 @@ package body frame_group_pkg is
     if s.deadman then
       put(p, number(flag_tripped), if_flag, exchange_tripped);
     end if;
-    at(p, exchange_free);
-    bump(p, control_frames_c);
     at(p, exchange_go);
-    call(p, head);
-    put(p, also(hold_bus));
-    load(p, word_counts);
+    call(p, counted);
+    load(p, word_counts, also(hold_bus));
     put(p, data(data_turn) or also(load_count) or times(4));  -- the fourth byte
     at(p, exchange_outputs);
     put(p, nothing_done, if_some_left, exchange_out);
@@ -128,23 +126,21 @@ package body frame_group_pkg is
 
     at(p, exchange_out);
     next_member;
-    put(p, take(take_first) or for_size(times_size));
-    put(p, number(mark_repeated), if_mark, exchange_outputs);
-    put(p, act(do_write));
+    put(p, take(take_first) or for_size(times_size) or act(do_write) or number(mark_repeated),
+        if_mark, exchange_outputs);
     put(p, act(do_await), if_failed, failed);
     go_to(p, exchange_outputs);
 
     at(p, exchange_in);
     next_member;
-    put(p, act(do_read));
-    put(p, act(do_await), if_failed, failed);
-    put(p, data(data_turn) or for_size(times_rest));
+    p.code(p.last)(do_read) := '1';
+    put(p, act(do_await) or data(data_turn) or for_size(times_rest), if_failed, failed);
     put(p, say(say_kept, from_top) or for_size(times_size));
     go_to(p, exchange_inputs);
 
     if s.deadman then
       at(p, exchange_tripped);
-      put(p, number(0), if_low, exchange_free);  -- no outputs
+      put(p, number(0), if_low, exchange_go);  -- no outputs
       go_to(p, denied);
     end if;
   end procedure;
@@ -173,22 +169,24 @@ package body frame_group_pkg is
     put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
     put(p, number(mark_executing), if_mark, group_go);
     put(p, also(load_group, s.groups - 1), if_above, no_group);
-    for index in 1 to 4 - s.rate_bytes loop
-      put(p, take(take_first));
-      put(p, number(0) or act(if_not), if_low, invalid);  -- a divisor that does not fit the generic
-    end loop;
-    put(p, take(take_skip) or times(s.rate_bytes));
-    put(p, take(take_skip));
+    if s.rate_bytes < 4 then
+      take_bytes(p, 4 - s.rate_bytes);
+      put(p, number(0), if_above, invalid);  -- a divisor that does not fit the generic
+      put(p, take(take_skip) or times(s.rate_bytes + 1));
+    else
+      put(p, take(take_skip) or times(4));
+      put(p, take(take_skip));
+    end if;
     put(p, take(take_first));
     put(p, number(s.group_size), if_above, no_group);
-    put(p, number((s.reply_max - 7) / s.data_bytes), if_above, too_long);
+    if s.group_size > (s.reply_max - 7) / s.data_bytes then
+      put(p, number((s.reply_max - 7) / s.data_bytes), if_above, too_long);
+    end if;
     put(p, also(set_marks, mark_executing));
     go_to(p, skip_check);
     at(p, group_go);
-    take_bytes(p, 4);
-    put(p, manage(manage_empty));
-    put(p, manage(manage_rate));
-    put(p, take(take_first));
+    put(p, take(take_first) or times(4) or manage(manage_empty));
+    put(p, manage(manage_rate) or take(take_first));
     put(p, manage(manage_event) or take(take_first));
     put(p, manage(manage_word) or also(load_count));  -- at place 0
     put(p, nothing_done, if_some_left, group_store);
@@ -201,8 +199,7 @@ package body frame_group_pkg is
     at(p, group_filled);
     put(p, manage(manage_fill));
     at(p, group_end);
-    load(p, word_zero);
-    point(p, sequence_base(s), act(do_point_group));
+    point(p, sequence_base(s), loaded(word_zero) or act(do_point_group));
     put(p, act(do_pointer) or store(store_data, 0));
     go_to(p, write_ok);
   end procedure;
@@ -212,8 +209,7 @@ package body frame_group_pkg is
     at_entry(p, entry_publish);
     -- The number of its addresses, because `count` is 0.
     put(p, manage(manage_take) or also(hold_bus) or data(data_group));
-    put(p, also(load_count) or data(data_clock));
-    point(p, sequence_base(s), act(do_point_group));
+    point(p, sequence_base(s), also(load_count) or data(data_clock) or act(do_point_group));
     put(p, say(say_byte, from_other) or act(do_pointer));
     put(p, say(say_byte, from_half) or act(do_pointer) or times(2));
     put(p, say(say_byte, from_top) or times(4));

@@ -90,7 +90,7 @@ package frame_instruction_pkg is
   constant from_number : std_ulogic_vector(2 downto 0) := "000";
   constant from_top    : std_ulogic_vector(2 downto 0) := "001";  -- the highest byte of `data`, which rotates
   constant from_word   : std_ulogic_vector(2 downto 0) := "010";  -- the highest byte of the data word; it rotates
-  constant from_half   : std_ulogic_vector(2 downto 0) := "011";  -- the word's lower half, in two steps
+  constant from_half   : std_ulogic_vector(2 downto 0) := "011";  -- the word's lower half, in its last two times
   constant from_id     : std_ulogic_vector(2 downto 0) := "100";  -- the highest byte of `id`, which rotates
   constant from_cache  : std_ulogic_vector(2 downto 0) := "110";  -- the next byte of the cached reply
   constant from_other  : std_ulogic_vector(2 downto 0) := "111";  -- the group; for a kind: that of the cached reply,
@@ -152,6 +152,8 @@ package frame_instruction_pkg is
   constant address_up   : std_ulogic_vector(4 downto 0) := "01011";  -- for an operation at rising addresses
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01100";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "00111";  -- look at the clock's highest bit
+  constant by_silence   : std_ulogic_vector(4 downto 0) := "01111";  -- address the word of an access without an answer,
+                                                                     -- if it had none
   constant forget_place : std_ulogic_vector(4 downto 0) := "01000";  -- place `pointer` gets an id from before the start
 
   -- Actions with one bit each.
@@ -175,7 +177,8 @@ package frame_instruction_pkg is
   constant do_call         : natural := 76;  -- remember `target`
   constant do_return       : natural := 77;  -- continue at the remembered `target`
   constant if_not          : natural := 78;  -- jump if the condition does not hold; for those judged by one look
-  constant do_place        : natural := 75;  -- store the id in its place, with the status in `number`
+  constant do_place        : natural := 75;  -- store the id in its place, with the status in `number`, unless
+                                               -- mark_repeated is set
 
   constant nothing_done : frame_instruction_t := (others => '0');
 

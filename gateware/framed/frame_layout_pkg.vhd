@@ -78,12 +78,12 @@ package frame_layout_pkg is
   constant word_own_nonce : natural := 16#5A#; -- nonce of the session, in the lower half
   constant word_nonce    : natural := 16#5B#;  -- nonce of the last HELLO answer; a reset keeps it, against a late OPEN
   constant word_zero     : natural := 16#60#;  -- constants
-  constant word_ones     : natural := 16#61#;
-  constant word_one      : natural := 16#62#;
-  constant word_two      : natural := 16#63#;
+  constant word_one      : natural := 16#61#;  -- the status of an access that failed
+  constant word_ones     : natural := 16#62#;
+  constant word_defined  : natural := 16#63#;  -- 80000000
   constant word_four     : natural := 16#64#;
   constant word_upper    : natural := 16#65#;  -- FFFF0000
-  constant word_defined  : natural := 16#66#;  -- 80000000
+  constant word_two      : natural := 16#66#;  -- and of one that had no answer (by_silence)
   constant word_hello    : natural := 16#68#;  -- the part of the HELLO answer about the device, after the epoch
   constant hello_words   : natural := 5;
 
@@ -95,7 +95,7 @@ package frame_layout_pkg is
   constant flag_publishing  : natural := 4;
   constant flag_tripped_now : natural := 8;   -- the dead-man has tripped in this session
   constant flag_offered     : natural := 16;  -- a HELLO answer was sent that no OPEN has used
-  constant flag_told        : natural := 32;  -- CLOSED was sent since the last HELLO
+  constant flag_untold      : natural := 32;  -- CLOSED was not sent since the last HELLO
   constant flag_failed      : natural := 64;  -- a post failed in this session
 
   -- Marks of one frame.
@@ -304,9 +304,9 @@ package body frame_layout_pkg is
     words(control_spec_hash_high_c) := s.spec_hash(63 downto 32);
     words(control_spec_hash_low_c)  := s.spec_hash(31 downto 0);
     words(word_ones)    := (others => '1');
-    set(word_one, 1);
-    set(word_two, 2);
-    set(word_four, 4);
+    set(word_one, 16#01000001#);  -- a status, also in the highest byte
+    set(word_two, 16#02000002#);
+    set(word_four, 16#04000004#);
     words(word_upper)   := x"FFFF0000";
     words(word_defined) := x"80000000";
     words(word_hello)     := bytes(s.address_bytes, s.data_bytes, s.credit / 256, s.credit mod 256);

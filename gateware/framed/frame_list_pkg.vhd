@@ -107,8 +107,7 @@ package body frame_list_pkg is
     go_to(p, list_more);
 
     at(p, run_change);
-    put(p, take(take_item) or times(s.address_bytes));
-    put(p, number(shape_mask), if_shape, run_mask);
+    put(p, take(take_item) or times(s.address_bytes) or number(shape_mask), if_shape, run_mask);
     at(p, run_value);
     put(p, take(take_first) or times(s.data_bytes) or counted);
     put(p, number(shape_add), if_shape, run_operand);
@@ -119,8 +118,7 @@ package body frame_list_pkg is
     put(p, number(shape_add), if_shape, run_add);
     put(p, data(data_and_not) or number(word_mask) or times(3));
     at(p, run_add);
-    put(p, data(data_add) or number(word_operand) or times(3));
-    put(p, act(do_write));
+    put(p, data(data_add) or number(word_operand) or times(3) or act(do_write));
     await;
     put(p, nothing_done, if_some_left, run_change);
     go_to(p, list_more);
@@ -146,14 +144,9 @@ package body frame_list_pkg is
 
     at(p, list_failed);
     put(p, number(mark_posting), if_mark, post_failed);
-    call(p, count_failure, say(say_again));
-    put(p, say(say_kind, from_other) or number(status_of_data));
-    put(p, store(store_data, word_answer));
-    call(p, head);
-    put(p, number(word_done));
-    say_half(p, say_kept, word_done);
-    load(p, word_answer);
-    put(p, number(mark_repeated), if_mark, end_plain);
+    go_to(p, failed);
+    at(p, list_done);  -- the words that were done
+    find_half(p, say_kept, word_done);
     go_to(p, end_failed);
   end procedure;
 
@@ -176,10 +169,10 @@ package body frame_list_pkg is
     put(p, act(do_rewind));
     put(p, take(take_first) or times(2) or number(word_posts));
     put(p, nothing_done, if_half_not, post_other);
+    bump(p, control_posts_c);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, post_denied);
     end if;
-    bump(p, control_posts_c);
     at(p, list_execute);
     load(p, word_ones);
     put(p, store(store_data, word_done));
@@ -199,14 +192,9 @@ package body frame_list_pkg is
     put(p, number((s.reply_max - 6) / s.data_bytes), if_above, too_long);
     put(p, number(mark_fifo), if_mark, list_has_fifo);
     at(p, list_ok);
-    put(p, number(mark_repeated), if_mark, list_say);
-    bump(p, control_frames_c);
-    at(p, list_say);
     put(p, data(data_add) or number(word_writes) or times(3));
-    put(p, store(store_data, word_total));
-    call(p, head);
-    put(p, number(word_total));
-    say_half(p, say_kept, word_total);
+    call(p, counted, store(store_data, word_total));
+    find_half(p, say_kept, word_total);
     go_to(p, list_execute);
     at(p, list_has_fifo);
     put(p, number((s.cache_bytes - 2) / s.data_bytes), if_above, too_long);

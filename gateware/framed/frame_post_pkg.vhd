@@ -40,7 +40,6 @@ package body frame_post_pkg is
     go_to(p, next_work);
 
     at(p, post_denied);
-    bump(p, control_posts_c);
     put(p, store(store_next, word_posts) or times(2));
     at(p, post_stopped);
     bump(p, control_refused_c);

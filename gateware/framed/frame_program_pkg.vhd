@@ -34,8 +34,8 @@ package body frame_program_pkg is
     procedure refuse(label_name : label_t; status : natural) is
     begin
       at(p, label_name);
-      put(p, say(say_kind) or number(device_kind_reply_c + status));
-      go_to(p, tail_refused);
+      call(p, counted, say(say_kind) or number(device_kind_reply_c + status));
+      go_to(p, end_plain);
     end procedure;
 
     procedure drop(counter : natural) is
@@ -44,8 +44,7 @@ package body frame_program_pkg is
       go_to(p, next_work);
     end procedure;
   begin
-    load(p, word_zero);
-    point(p, control_frames_c);
+    point(p, control_frames_c, loaded(word_zero));
     at(p, clear_next);
     put(p, act(do_pointer) or store(store_data, word_barrier + 1) or act(do_point_up), if_pointer, cleared);
     go_to(p, clear_next);
@@ -60,13 +59,8 @@ package body frame_program_pkg is
     put(p, say(say_end) or act(do_place) or number(reply_status_ok_c) or act(do_done));
     go_to(p, next_work);
     at(p, tail_ok);
-    say_head(p);
-    go_to(p, end_ok);
-    at(p, tail_refused);
-    put(p, number(mark_repeated), if_mark, tail_plain);  -- it was counted before
-    bump(p, control_frames_c);
-    at(p, tail_plain);
     call(p, head);
+    go_to(p, end_ok);
     at(p, end_plain);
     put(p, say(say_end) or act(do_done));
     go_to(p, next_work);
@@ -75,45 +69,40 @@ package body frame_program_pkg is
     go_to(p, end_plain);
     at(p, answer);
     put(p, say(say_kind) or number(device_kind_reply_c));
+    at(p, counted);
+    put(p, number(mark_repeated), if_mark, head);  -- it was counted before
     bump(p, control_frames_c);
     at(p, head);
     say_head(p);
     p.code(p.last) := p.code(p.last) or act(do_return);
     at(p, finish_ok);  -- only the end is still to be sent
-    put(p, number(mark_repeated), if_mark, finish_plain);
     put(p, say(say_last) or number(device_kind_reply_c) or act(do_place) or act(do_done));
-    go_to(p, next_work);
-    at(p, finish_plain);
-    put(p, say(say_last) or number(device_kind_reply_c) or act(do_done));
     go_to(p, next_work);
     at(p, failed);
     call(p, count_failure, say(say_again));
-    put(p, say(say_kind, from_other) or number(status_of_data));
-    put(p, number(mark_repeated), if_mark, tail_plain);
-    call(p, head);
+    call(p, head, say(say_kind, from_other) or number(status_of_data));
+    if s.lists then
+      put(p, number(mark_executing), if_mark, list_done);
+    end if;
     at(p, end_failed);
     put(p, say(say_end) or act(do_place) or number(status_of_data) or act(do_done));
     go_to(p, next_work);
     at(p, count_failure);  -- and load its status into `data`
-    put(p, nothing_done, if_silent, count_silence);
     if s.deadman then
       put(p, nothing_done, if_denied, count_denial);
     end if;
-    bump(p, control_bus_errors_c);
-    load(p, word_one, act(do_return));
-    at(p, count_silence);
-    bump(p, control_bus_timeouts_c);
-    load(p, word_two, act(do_return));
+    bump(p, control_bus_errors_c, also(by_silence, control_bus_errors_c));
+    at(p, load_failure);
+    load(p, word_one, also(by_silence, word_one) or act(do_return));
     if s.deadman then
       at(p, count_denial);  -- a list or group was executed in part
       bump(p, control_refused_c);
-      load(p, word_one, act(do_return));
+      go_to(p, load_failure);
     end if;
 
     at(p, denied);
     bump(p, control_refused_c);
-    put(p, say(say_kind) or number(device_kind_reply_c + reply_status_denied_c));
-    go_to(p, tail_refused);
+    refuse(denied_too, reply_status_denied_c);
     refuse(bad_address, reply_status_bad_address_c);
     refuse(too_long, reply_status_too_long_c);
     refuse(order, reply_status_order_c);
@@ -121,14 +110,12 @@ package body frame_program_pkg is
     refuse(no_group, reply_status_no_group_c);
     at(p, invalid);
     put(p, number(mark_posting), if_mark, drop_kind);
-    put(p, say(say_kind) or number(device_kind_reply_c + reply_status_invalid_c));
-    go_to(p, tail_refused);
+    refuse(invalid_too, reply_status_invalid_c);
 
-    at(p, drop_kind);
-    drop(control_discarded_kind_c);
     at(p, drop_stale);
     drop(control_discarded_stale_c);
     at_entry(p, entry_kind);
+    p.labels(drop_kind) := p.here;
     drop(control_discarded_kind_c);
     at_entry(p, entry_check);
     drop(control_discarded_check_c);
@@ -136,12 +123,13 @@ package body frame_program_pkg is
     drop(control_discarded_long_c);
     at_entry(p, entry_session);
     bump(p, control_discarded_session_c);
-    put(p, number(flag_told), if_flag, drop_done);
-    put(p, also(set_flags, flag_told));
-    put(p, say(say_last) or number(device_kind_closed_c) or act(do_done));
-    go_to(p, next_work);
+    put(p, number(flag_untold), if_flag, tell_closed);
     at(p, drop_done);
     put(p, act(do_done));
+    go_to(p, next_work);
+    at(p, tell_closed);
+    put(p, also(clear_flags, flag_untold));
+    put(p, say(say_last) or number(device_kind_closed_c) or act(do_done));
     go_to(p, next_work);
 
     at_entry(p, entry_half_turn);
@@ -172,17 +160,25 @@ package body frame_program_pkg is
       put(p, data(data_turn) or times(2) or store(store_data, word_own_nonce));
       load(p, word_upper);
       put(p, store(store_data, word_failed));
-      load(p, word_zero, manage(manage_clear));
-      point(p, control_deadman_ticks_c);
+      point(p, control_deadman_ticks_c, loaded(word_zero) or manage(manage_clear));
       at(p, begin_next);
       put(p, act(do_pointer) or store(store_data, word_posts + 1) or act(do_point_up), if_pointer, begin_rest);
       go_to(p, begin_next);
       at(p, begin_rest);
       for index in 0 to s.exchanges - 1 loop
-        point(p, exchange_base(s) + index * exchange_stride(s) + 1);
+        if index = 0 then
+          point(p, exchange_base(s) + 1);
+        end if;
         put(p, act(do_pointer) or store(store_data, 0));
+        if index < s.exchanges - 1 then
+          also_point(p, exchange_base(s) + (index + 1) * exchange_stride(s) + 1);
+        end if;
       end loop;
-      point(p, 0);
+      if s.exchanges > 0 then
+        also_point(p, 0);
+      else
+        point(p, 0);
+      end if;
       at(p, forget_next);
       put(p, also(forget_place, no_status) or act(do_point_up));
       put(p, number(s.window), if_pointer, forgotten);
@@ -201,14 +197,11 @@ package body frame_program_pkg is
     at(p, hello_none);
     put(p, say(say_byte) or number(0));
     at(p, hello_more);
-    put(p, also(clear_flags, flag_told));
-    put(p, also(set_flags, flag_offered));
     put(p, store(store_next, word_nonce) or times(2));
-    put(p, number(word_nonce) or times(3));  -- until it is stored
-    say_half(p, say_byte, word_nonce);
-    put(p, number(word_session));
-    say_half(p, say_byte, word_session);
-    point(p, word_hello);
+    put(p, also(set_flags, flag_offered + flag_untold));  -- until the nonce is stored
+    find_half(p, say_byte, word_nonce);
+    find_half(p, say_byte, word_session);
+    also_point(p, word_hello);
     at(p, hello_next);
     put(p, data(data_word) or act(do_pointer) or times(3));
     put(p, say(say_byte, from_top) or times(4) or act(do_point_up) or number(word_hello + hello_words - 1),
@@ -232,18 +225,15 @@ package body frame_program_pkg is
     put(p, data(data_turn) or number(word_nonce) or times(2));
     put(p, take(take_first), if_half_not, drop_stale);
     put(p, number(0) or act(if_not), if_low, drop_stale);  -- a flag is set
-    put(p, also(clear_flags, flag_offered));
     if s.deadman then
       put(p, also(set_flags, flag_tripped));  -- works if it runs
     end if;
     at(p, open_begin);
-    put(p, nothing_done, if_busy, open_begin);
-    load(p, word_operand);
-    call(p, session_begins);
+    put(p, also(clear_flags, flag_offered), if_busy, open_begin);
+    call(p, session_begins, loaded(word_operand));
     at(p, open_answer);
     put(p, say(say_kind) or number(device_kind_open_c));
-    put(p, number(word_session));
-    say_half(p, say_byte, word_session);
+    find_half(p, say_byte, word_session);
     put(p, data(data_clock));
     put(p, say(say_byte, from_top) or times(4));
     go_to(p, end_counted);
@@ -254,10 +244,8 @@ package body frame_program_pkg is
     put(p, say(say_end));
     at(p, close_wait);
     put(p, nothing_done, if_busy, close_wait);  -- the answer is sent in the epoch that ends
-    load(p, word_ones);
-    call(p, session_begins);
-    put(p, act(do_done));
-    go_to(p, next_work);
+    call(p, session_begins, loaded(word_ones));
+    go_to(p, drop_done);
     begin_session;
   end procedure;
 
@@ -271,10 +259,11 @@ package body frame_program_pkg is
       go_to(p, places);
     end procedure;
   begin
+    at_entry(p, entry_unknown);  -- and all others that frame_dispatcher has no place for
+    p.labels(general) := p.here;
+    put(p, act(do_rewind));
+    go_to(p, general_taken);
     for operation in 2 to entry_unknown loop  -- replaced below for the known operations
-      at_entry(p, operation);
-      put(p, act(do_rewind));
-      go_to(p, general_taken);
       if operation /= request_kind_post_c mod 16 and operation /= request_kind_post_list_c mod 16 then
         at_form(p, operation);
         put(p, nothing_done);
@@ -310,11 +299,9 @@ package body frame_program_pkg is
     go_to(p, failed);
     at(p, write_denied);  -- the dead-man tripped before the write reached the bus
     bump(p, control_refused_c, say(say_again));
-    put(p, say(say_kind) or number(device_kind_reply_c + reply_status_denied_c));
-    go_to(p, tail_plain);
+    call(p, head, say(say_kind) or number(device_kind_reply_c + reply_status_denied_c));  -- it was counted before
+    go_to(p, end_plain);
 
-    at(p, general);
-    put(p, act(do_rewind));
     at(p, general_taken);
     put(p, take(take_id) or times(2), if_missing, drop_kind);
     put(p, nothing_done, if_barrier, take_barrier);
@@ -340,8 +327,7 @@ package body frame_program_pkg is
     put(p, nothing_done, if_barrier, check_barrier);
     at(p, skip_check);
     put(p, act(do_rewind));
-    put(p, take(take_skip) or times(2));
-    put(p, nothing_done, if_barrier, skip_barrier);
+    put(p, take(take_skip) or times(2), if_barrier, skip_barrier);
     at(p, check_dispatch);
     put(p, act(do_dispatch));
     p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(first_of_checks, 9));
@@ -385,12 +371,9 @@ package body frame_program_pkg is
     put(p, number(mark_repeated), if_mark, invalid);
     call(p, answer);
     say_half(p, say_kept, word_posts);
-    put(p, number(word_failed));
-    say_half(p, say_kept, word_failed);
-    put(p, number(word_first));
-    say_half(p, say_kept, word_first);
+    find_half(p, say_kept, word_failed);
+    find_half(p, say_kept, word_first);
     load(p, word_status);
-    put(p, data(data_turn) or times(3));
     put(p, say(say_kept, from_top));
     go_to(p, end_ok);
   end procedure;

@@ -12,7 +12,7 @@
 --           rests: it waits for work, from the clock after do_begin until `begins`.
 --           judges: the first clock of `instruction`, in which its condition is judged. steps: its last clock. waits:
 --           in this clock it does nothing yet, because it has two clocks and is executed once. first, last: this is
---           its first or last time.
+--           its first or last time. late: this is one of its last two times.
 -- Latency   An instruction has as many clocks as times, and two at least. With do_begin it may have one, because
 --           what follows is not fetched then. A jump costs one clock, in which nothing is executed.
 -- Errors    None.
@@ -47,7 +47,8 @@ entity frame_sequencer is
     steps       : out std_ulogic;
     waits       : out std_ulogic;
     first       : out std_ulogic;
-    last        : out std_ulogic
+    last        : out std_ulogic;
+    late        : out std_ulogic
   );
 end entity;
 
@@ -80,6 +81,7 @@ begin
   steps       <= step;
   first       <= is_first;
   last        <= is_last;
+  late        <= nor turns(2 downto 1);
 
   sized   <= and turns(2 downto 1) and to_bit(sizes);
   is_last <= nor turns;

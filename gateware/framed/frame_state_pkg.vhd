@@ -36,30 +36,23 @@ package body frame_state_pkg is
     at(p, registers_next);
     put(p, act(do_point_up) or act(do_count), if_no_register, bad_address);
     put(p, nothing_done, if_some_left, registers_next);
-    put(p, data(data_turn) or times(3));  -- address and count are still in `data`
-    put(p, data(data_turn) or act(do_point_data));
-    put(p, say(say_kind) or number(device_kind_reply_c) or also(load_count, device_kind_reply_c));
-    put(p, number(mark_repeated), if_mark, registers_free);
-    bump(p, control_frames_c);
-    at(p, registers_free);
-    call(p, head);
+    put(p, data(data_turn) or act(do_point_data) or times(4));  -- address and count are still in `data`
+    call(p, answer, also(load_count));
     at(p, registers_word);
     put(p, number(control_time_low_c) or data(data_clock), if_pointer, registers_time);
     put(p, number(control_arm_c) or data(data_flags), if_pointer, registers_say);
     put(p, data(data_word) or act(do_pointer) or times(3));
     at(p, registers_say);
-    put(p, say(say_kept, from_top) or times(4));
+    put(p, say(say_kept, from_top) or times(4) or act(do_count) or act(do_point_up));
     at(p, registers_said);
-    put(p, act(do_count) or act(do_point_up));
     put(p, nothing_done, if_some_left, registers_word);
-    put(p, number(mark_repeated), if_mark, end_plain);
     go_to(p, end_ok);
 
     -- Counts a turn of the clock that nobody has looked at yet.
     at(p, registers_time);
     put(p, nothing_done, if_half_turn, registers_turn);
     at(p, registers_high);
-    put(p, say(say_kept, from_top) or times(4));
+    put(p, say(say_kept, from_top) or times(4) or act(do_count) or act(do_point_up));
     load(p, word_high);
     put(p, store(store_data, control_time_high_c));
     go_to(p, registers_said);
@@ -73,19 +66,21 @@ package body frame_state_pkg is
   begin
     at_check(p, request_kind_write_control_c);
     put(p, take(take_first) or times(2) or number(mark_repeated), if_mark, invalid);
-    put(p, number(16#FF#), if_above, bad_address);
+    put(p, number(16#FF#) or act(do_point_data), if_above, bad_address);
     if s.groups > 0 then
-      put(p, number(control_publish_c), if_low, write_publish);
+      take_bytes(p, 4, if_pointer, write_publish);
+      p.code(p.last)(number_f) := byte_t(to_unsigned(control_publish_c, 8));
+    else
+      take_bytes(p, 4);
     end if;
     if s.deadman then
-      put(p, number(control_arm_c), if_low, write_arm);
-      put(p, number(control_deadman_ticks_c), if_low, write_ticks);
+      put(p, number(control_arm_c), if_pointer, write_arm);
+      put(p, number(control_deadman_ticks_c), if_pointer, write_ticks);
     end if;
     go_to(p, bad_address);
 
     if s.groups > 0 then
       at(p, write_publish);
-      take_bytes(p, 4);
       put(p, number(1), if_above, invalid);
       put(p, manage(manage_publish) or store(store_data, control_publish_c));
       go_to(p, write_ok);
@@ -93,7 +88,6 @@ package body frame_state_pkg is
 
     if s.deadman then
       at(p, write_arm);
-      take_bytes(p, 4);
       put(p, number(1), if_above, invalid);
       put(p, number(0), if_low, invalid);
       put(p, number(flag_tripped_now), if_flag, denied);
@@ -101,7 +95,6 @@ package body frame_state_pkg is
         go_to(p, write_ok);
 
       at(p, write_ticks);
-      take_bytes(p, 4);
       put(p, also(start_dead_man) or number(flag_tripped), if_flag, denied);
       put(p, store(store_data, control_deadman_ticks_c));
         go_to(p, write_ok);

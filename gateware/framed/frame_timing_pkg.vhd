@@ -52,7 +52,8 @@ package body frame_timing_pkg is
   -- It uses a word that the instruction before must have addressed.
   function uses_word_at_once(i : frame_instruction_t) return boolean is
   begin
-    return i(source_f) = from_half or condition_of(i) = if_half_not or condition_of(i) = if_half_lower or
+    return (i(source_f) = from_half and unsigned(i(times_f)) < 2) or
+           condition_of(i) = if_half_not or condition_of(i) = if_half_lower or
            (uses_word(i) and unsigned(i(times_f)) < 2);
   end function;
 

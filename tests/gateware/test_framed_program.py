@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The listing of the framed engine's program: complete, in the words of its VHDL, and not stale."""
+"""The framed engine's program: its room, and a listing in the words of its VHDL, complete and not stale."""
 
 from __future__ import annotations
 
@@ -22,6 +22,17 @@ def test_the_page_is_not_stale() -> None:
     command = [sys.executable, "tools/docs/framed_program.py", "--check"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("address_bits", [8, 16, 24, 32])
+@pytest.mark.parametrize("data_bits", [8, 32])
+def test_a_quarter_of_the_room_is_free(address_bits: int, data_bits: int) -> None:
+    widths = f"address_bits => {address_bits}, data_bits => {data_bits}"
+    whole = program_of(f"core_settings(protocol => protocol_framed, {widths})")
+    features = "publish_mode => 0, lists => false, exchanges => 0, deadman => false"
+    least = program_of(f"core_settings(protocol => protocol_framed, {widths}, {features})")
+    assert len(whole.words) <= 512 * 3 // 4
+    assert len(least.words) <= 256 * 3 // 4
 
 
 @pytest.mark.parametrize("bits", [8, 32])

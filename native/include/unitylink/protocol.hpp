@@ -119,17 +119,17 @@ inline constexpr std::uint32_t turns_most = 3;
 }  // namespace latency
 
 namespace framed_latency {
-inline constexpr std::uint32_t tick = 21;
+inline constexpr std::uint32_t tick = 19;
 inline constexpr std::uint32_t list = 92;
 inline constexpr std::uint32_t list_check = 25;
 inline constexpr std::uint32_t list_read = 55;
-inline constexpr std::uint32_t list_change = 72;
-inline constexpr std::uint32_t define_group = 118;
+inline constexpr std::uint32_t list_change = 68;
+inline constexpr std::uint32_t define_group = 102;
 inline constexpr std::uint32_t define_group_address = 6;
-inline constexpr std::uint32_t define_exchange = 100;
+inline constexpr std::uint32_t define_exchange = 92;
 inline constexpr std::uint32_t define_exchange_word = 18;
 inline constexpr std::uint32_t other = 356;
-inline constexpr std::uint32_t publish = 24;
+inline constexpr std::uint32_t publish = 22;
 inline constexpr std::uint32_t publish_word = 5;
 inline constexpr std::uint32_t payload_max = 250;
 inline constexpr std::uint32_t frame_bytes = 6;
