@@ -25,29 +25,35 @@ package frame_assembler_pkg is
 
   type label_t is (
     -- shared
-    next_work, head, counted, answer, tail_ok, end_ok, end_plain, end_counted, end_failed, finish_ok, write_ok,
-    write_failed, write_denied, invalid, invalid_too, bad_address, denied, denied_too, too_long, order, behind,
-    no_group, failed, count_failure, load_failure, count_denial, drop_kind, drop_stale, drop_done, tell_closed,
-    clear_next, cleared,
+    next_work, head, counted, answer, tail_ok, end_ok, end_plain, end_counted, end_failed, finish_ok,
+    write_ok, write_failed, write_denied,
+    invalid, invalid_too, bad_address, denied, denied_too, too_long, order,
+    behind, no_group, failed, count_failure, load_failure, count_denial, drop_kind, drop_stale, drop_done,
+    tell_closed, clear_next,
+    cleared,
     -- sessions
-    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins,
-    begin_next, begin_rest, forget_next, forgotten,
+    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer,
+    close_wait, session_begins, begin_next, begin_rest,
+    forget_next, forgotten,
     -- requests
     general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch,
     skip_barrier, check_order, check_barrier, not_new, duplicate, duplicate_next, repeat, exec_read, exec_write,
     -- control registers, time, dead-man
-    registers_next, registers_word, registers_time, registers_turn, registers_high, registers_said, registers_say,
-    turn_down, write_arm, write_publish, write_ticks,
+    registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
+    registers_kept, registers_say, turn_down, write_arm,
+    write_publish, write_ticks,
     -- posts
     post_other, post_old, post_denied, post_stopped, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
-    list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads,
-    list_plain, list_free, list_tripped, list_has_fifo, list_ok, list_execute, run, run_go, run_words, run_write,
-    run_over, run_reads, run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once,
-    run_again, list_executed, list_failed, list_done,
+    list_start, list_op, list_pass, list_values, list_more, list_passed, list_masks, list_once, list_reads, list_plain,
+    list_free,
+    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_over,
+    run_reads, run_read, run_last, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again,
+    list_executed, list_failed, list_done,
     -- exchange groups
-    define_member, define_second, define_entries, exchange_defined, exchange_tripped, exchange_go, exchange_out,
-    exchange_outputs, exchange_in, exchange_inputs,
+    define_member, define_second, define_entries,
+    exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
+    exchange_inputs,
     -- publish groups
     group_words, group_go, group_store, group_filled, group_end, publish_word, publish_end, publish_failed);
 

@@ -120,7 +120,7 @@ ROWS = (
         "framed",
         "framed alone, with all features",
         settings={"protocol": "framed"},
-        mhz_least=78.0,
+        mhz_least=76.0,
         ecp5_mhz_least=98.0,
     ),
     Row(
