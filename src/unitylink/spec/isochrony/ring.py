@@ -49,8 +49,8 @@ class RingBudget:
     """A ring of a device. Times are in seconds. The first node is the PC's own.
 
     `shortest_s` is the shortest cycle, and `cycle_s` the one that the spec asks for. `inward` is the time
-    from a node's sensor to the PC's node, and `outward` that from a commit to the outputs of the nodes. `rings`,
-    `check_bytes` and `time` are those of `RingOptions`.
+    from a node's sensor to the PC's node, and `outward` that from a commit to the outputs of the nodes.
+    `rings`, `check_bytes` and `time` are those of `RingOptions`.
     """
 
     base: int
