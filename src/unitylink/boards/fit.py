@@ -55,7 +55,7 @@ REMEDIES = (
         lambda c: c.publish_mode > 0 and c.groups > 2,
     ),
     Remedy("--set publish_mode=0", "no publishing", 260, 4, _above("publish_mode", 0)),
-    Remedy("--set lists=false", "no lists and post lists", 110, 0, _framed("lists", 0)),
+    Remedy("--set lists=false", "no lists and post lists", 150, 0, _framed("lists", 0)),
     Remedy("--set window=16", "fewer requests in flight", 0, 1, _framed("window", 16)),
 )
 
