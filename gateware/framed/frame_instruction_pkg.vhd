@@ -43,7 +43,7 @@ package frame_instruction_pkg is
 
   -- How many times, if not one to four times.
   constant times_size : std_ulogic_vector(2 downto 0) := "110";  -- `size`
-  constant times_rest : std_ulogic_vector(2 downto 0) := "111";  -- 8 - `size`: rotations that bring so many bytes up
+  constant times_rest : std_ulogic_vector(2 downto 0) := "111";  -- 4 - `size`, 4 if it is 4: brings so many bytes up
 
   -- Conditions of a jump. The first ones are seen in the same clock, in every clock but the first.
   constant never           : natural := 0;

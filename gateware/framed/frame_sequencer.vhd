@@ -153,7 +153,8 @@ begin
       if sized = '1' then
         turns <= size - 1;
         if turns(0) = '1' then  -- times_rest
-          turns <= not size;
+          turns(2)          <= '0';
+          turns(1 downto 0) <= not size(1 downto 0);
         end if;
       end if;
       if clears = '1' then
