@@ -202,7 +202,7 @@ class Lockstep:
         compile_netlist(verilog, TOP, library)
         told = {"address_width": 8, "data_width": 32, "protocol": "classic", **self.generics}
         kind = Requests if told["protocol"] == "classic" else Frames
-        requests = kind(2, told["address_width"], told["data_width"])
+        requests = kind(6, told["address_width"], told["data_width"])
         stimuli, compiled = play(Model(library), requests, clocks)
         stimulus_file, response_file = self.folder / "stimulus.txt", self.folder / "response.txt"
         stimulus_file.write_text("\n".join(stimuli) + "\n")

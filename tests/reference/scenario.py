@@ -86,6 +86,8 @@ class Scenario:
         self._id = 0
         self._post = 0
         self._sent: list[bytes] = []
+        self._written: list[int] = []  # the last addresses
+        self._outputs: dict[int, int] = {}  # how many bytes an EXCHANGE of each group has
 
     def __iter__(self) -> Iterator[bytes]:
         yield b"\0" + self._begin()
@@ -129,6 +131,7 @@ class Scenario:
         self._epoch = self._draw.randrange(0xFF00)
         self._id = self._post = 0
         self._sent = []
+        self._outputs = {}
         hello = Frame(p.REQUEST_KIND_HELLO, bytes([self._draw.choice((1, 1, 1, 2)), 2])).encode()
         opening = Frame(p.REQUEST_KIND_OPEN, field((self._nonce, 2), (self._epoch, 2), (0, 1))).encode()
         return hello + opening + (opening if self._draw.random() < 0.3 else b"")
@@ -155,6 +158,8 @@ class Scenario:
         return self._encode(p.REQUEST_KIND_POST_LIST, field((number, 2)) + self._operations(WRITES, 3))
 
     def _address(self) -> tuple[int, int]:
+        if self._written and self._draw.random() < 0.4:  # where a word is that is probably not zero
+            return (self._draw.choice(self._written), self.settings.a)
         return (self._draw.randrange(self._addresses), self.settings.a)
 
     def _data(self) -> tuple[int, int]:
@@ -162,7 +167,9 @@ class Scenario:
         return (self._draw.choice((0, 1, self._draw.randrange(1 << 8 * d))), d)
 
     def _word(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        return self._address(), self._data()
+        address = self._address()
+        self._written = [*self._written[-3:], address[0]]
+        return address, self._data()
 
     def _operations(self, known: tuple[int, ...], most: int) -> bytes:
         operations = b""
@@ -198,20 +205,20 @@ class Scenario:
 
     def _body(self) -> tuple[int, bytes]:
         draw, s = self._draw, self.settings
-        choice = draw.randrange(16 if self._timed else 12)
-        if choice < 3:
+        choice = draw.randrange(18 if self._timed else 12)
+        if choice < 2:
             return p.REQUEST_KIND_READ, field(self._address())
-        if choice < 6:
+        if choice < 5:
             return p.REQUEST_KIND_WRITE, field(*self._word())
-        if choice < 8:
+        if choice < 7:
             return p.REQUEST_KIND_LIST, field((draw.randrange(2), 1)) + self._operations(READS + WRITES, 4)
-        if choice == 8:
+        if choice == 7:
             return p.REQUEST_KIND_SYNC, b""
-        if choice == 9:
+        if choice == 8:
             return p.REQUEST_KIND_READ_CONTROL, field(
                 (draw.choice(CONTROLS), 2), (draw.choice((1, 1, 2, 5)), 1)
             )
-        if choice > 13:
+        if choice > 14:
             words = [self._address() for _ in range(draw.randrange(1, 4))]
             rate = (draw.randrange(4), 4), (draw.randrange(2), 1)
             head = field((draw.randrange(s.groups + 1), 1), *rate, (len(words), 1))
@@ -223,11 +230,15 @@ class Scenario:
             value = draw.randrange(4) if register == p.CONTROL_DEADMAN_TICKS else 1
             return p.REQUEST_KIND_WRITE_CONTROL, field((register, 2), (value, 4))
         group = draw.randrange(s.exchanges + 1)
-        if choice == 10:
+        if choice == 9 or not self._outputs:
             sizes = [draw.randrange(1, s.d + 1) for _ in range(draw.randrange(5))]
             outputs = draw.randrange(len(sizes) + 1)
+            self._outputs[group] = sum(sizes[:outputs])
             head = field((group, 1), (outputs, 1), (len(sizes) - outputs, 1))
             return p.REQUEST_KIND_DEFINE_EXCHANGE, head + b"".join(
                 field(self._address(), (n, 1)) for n in sizes
             )
-        return p.REQUEST_KIND_EXCHANGE, field((group, 1)) + draw.randbytes(draw.randrange(6))
+        if draw.random() < 0.8:
+            group = draw.choice(list(self._outputs))
+        size = self._outputs.get(group, 0) if draw.random() < 0.8 else draw.randrange(6)
+        return p.REQUEST_KIND_EXCHANGE, field((group, 1)) + draw.randbytes(size)
