@@ -51,7 +51,8 @@ class Cable:
         return f"fd:{ours.detach()}?timeout=0.5"
 
     def _to_board(self, host: socket.socket) -> None:
-        with host:
+        # A host that closes its end before it has read everything resets it.
+        with host, contextlib.suppress(ConnectionResetError):
             while data := host.recv(65536):
                 if not self.cut.is_set():
                     self._board.sendall(data)
