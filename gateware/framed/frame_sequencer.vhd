@@ -151,9 +151,9 @@ begin
         end if;
       end if;
       if sized = '1' then
-        turns <= size - 1;
+        turns(2)          <= '0';
+        turns(1 downto 0) <= size(1 downto 0) - 1;
         if turns(0) = '1' then  -- times_rest
-          turns(2)          <= '0';
           turns(1 downto 0) <= not size(1 downto 0);
         end if;
       end if;

@@ -29,6 +29,8 @@ architecture test of tosnet_clock_tb is
   signal ended        : boolean := false;
   signal reset        : std_ulogic := '1';
   signal running      : std_ulogic := '0';
+  signal is_master    : std_ulogic := '1'; -- of the node that is one in the end
+  signal to_master    : std_ulogic := '0'; -- a word for it, while it is none
   signal strobe, fresh : std_ulogic := '0';
   signal arrives      : std_ulogic := '0'; -- the word of the master, of the cycle before
   signal arrives_word : std_ulogic_vector(31 downto 0) := (others => '0');
@@ -51,8 +53,8 @@ begin
   master : entity work.tosnet_clock
     generic map (address => 16#43#, clocks_per_bit => clocks_per_bit, hold_bits => hold_bits)
     port map (
-      clock => clock, reset => reset, running => running, is_master => '1', strobe => strobe, strobe_fresh => fresh,
-      received_valid => '0', received_address => arrives_at, received_word => arrives_word, word => word,
+      clock => clock, reset => reset, running => running, is_master => is_master, strobe => strobe,
+      strobe_fresh => fresh, received_valid => to_master, received_address => arrives_at, received_word => arrives_word, word => word,
       valid => valid, now_bits => bits);
 
   slave : entity work.tosnet_clock
@@ -78,7 +80,7 @@ begin
     if rising_edge(other_clock) then
       last_bits  <= other_bits;
       last_valid <= other_valid;
-      check(last_valid = '0' or other_valid = '0' or other_bits >= last_bits, "the clock of the ring runs backwards");
+      check(last_valid = '0' or other_valid = '0' or signed(other_bits - last_bits) >= 0, "the clock of the ring runs backwards");
     end if;
   end process;
 
@@ -158,6 +160,33 @@ begin
       cycle;
     end loop;
     check_near("a ring that runs again");
+
+    -- A slave that has the time of another ring becomes the master, some cycles before the time wraps.
+    is_master    <= '0';
+    arrives_word <= x"FFFFD800";
+    arrives_at   <= "0001000011";
+    wait until rising_edge(clock);
+    to_master    <= '1';
+    wait until rising_edge(clock);
+    to_master    <= '0';
+    strobe       <= '1';
+    wait until rising_edge(clock);
+    strobe       <= '0';
+    wait for 2 * period;
+    check(bits - unsigned(arrives_word) < 2, "the time that came");
+    running      <= '0';
+    is_master    <= '1';
+    wait for 20 * period;
+    running      <= '1';
+    for count in 1 to 4 loop
+      cycle;
+    end loop;
+    check(bits(31) = '1', "the time is over too early");
+    for count in 1 to 12 loop
+      cycle;
+      check_near("about the wrap");
+    end loop;
+    check(bits(31) = '0', "the time has not wrapped");
 
     reset <= '1';
     wait for 4 * period;

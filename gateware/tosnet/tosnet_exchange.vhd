@@ -96,7 +96,7 @@ architecture rtl of tosnet_exchange is
   constant slot_tail  : natural := tosnet_wire_message_bytes_c + 1;
   constant slot_bytes : natural := tosnet_wire_message_bytes_c + 2;
 
-  constant tells : std_ulogic := or spec_word;
+  constant tells : boolean := spec_word /= x"00000000";
 
   -- What comes.
   signal first       : std_ulogic; -- the next byte is the packet's first
@@ -218,17 +218,20 @@ begin
               if data(3 downto 0) = id
                 and (kind = tosnet_wire_message_from_master_c or kind = tosnet_wire_no_message_from_master_c)
               then
-                due_to_tell := to_bit(kind = tosnet_wire_no_message_from_master_c and untold = 0) and tells;
-                answering   <= send_waiting and not due_to_tell;
-                in_begin    <= send_waiting and not due_to_tell;
-                if untold > 0 or due_to_tell = '1' then
-                  untold <= untold + 1;
+                due_to_tell := '0';
+                if tells then
+                  telling     <= to_bit(kind = tosnet_wire_no_message_from_master_c);
+                  due_to_tell := to_bit(kind = tosnet_wire_no_message_from_master_c and untold = 0);
+                  if untold > 0 or due_to_tell = '1' then
+                    untold <= untold + 1;
+                  end if;
                 end if;
+                answering <= send_waiting and not due_to_tell;
+                in_begin  <= send_waiting and not due_to_tell;
                 if send_waiting = '1' and due_to_tell = '0' then
                   passed := halves(tosnet_wire_message_from_node_c, id);
                 else
-                  passed  := halves(tosnet_wire_no_message_from_node_c, id);
-                  telling <= to_bit(kind = tosnet_wire_no_message_from_master_c) and tells;
+                  passed := halves(tosnet_wire_no_message_from_node_c, id);
                 end if;
               end if;
             end if;

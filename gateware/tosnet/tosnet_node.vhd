@@ -33,6 +33,7 @@ library ieee;
   use work.protocol_pkg.all;
   use work.tosnet_ring_pkg.all;
   use work.tosnet_wire_pkg.all;
+  use work.width_pkg.all;
 
 entity tosnet_node is
   generic (
@@ -121,6 +122,9 @@ architecture rtl of tosnet_node is
   -- as many as the checksum has.
   constant least_wait  : positive := 10 * (1 + check_bytes) * clocks_per_bit + 9;
   constant wait_clocks : positive := maximum(hop_clocks - way_clocks, 1);
+  -- In the election, a node says its id once in so many clocks: tosnet_start rounds them up to a power of two.
+  constant election_clocks : positive := 16 * hop_clocks;
+  constant least_watchdog  : positive := (2 ** bits_for(election_clocks) + 2 * hop_clocks) / clocks_per_bit;
 
   signal symbol_valid, control, wrong, line_lost : std_ulogic;
   signal symbol_data : byte_t;
@@ -165,6 +169,11 @@ begin
            & integer'image((way_clocks + least_wait + clocks_per_bit - 1) / clocks_per_bit) & " are needed"
     severity failure;
 
+  assert watchdog_bits >= least_watchdog
+    report "tosnet_node: watchdog_bits of " & integer'image(watchdog_bits) & " are too few for the election; at least "
+           & integer'image(least_watchdog) & " are needed"
+    severity failure;
+
   receiver : entity work.tosnet_line_in
     generic map (clocks_per_bit => clocks_per_bit, samples_per_clock => samples_per_clock)
     port map (
@@ -179,7 +188,7 @@ begin
 
   starter : entity work.tosnet_start
     generic map (
-      may_be_master => may_be_master, most_nodes => most_nodes, election_clocks => 16 * hop_clocks)
+      may_be_master => may_be_master, most_nodes => most_nodes, election_clocks => election_clocks)
     port map (
       clock => clock, reset => reset, id => id, registers => registers, restart => restart, cause => cause,
       start => start, valid => valid, data => data, done => done, good => good,

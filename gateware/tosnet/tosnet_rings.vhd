@@ -12,8 +12,8 @@
 --           other ring, it counts as lost. Then the next cycle begins two hops later. A ring that starts again waits
 --           for the other one's next packet.
 -- Running   At least one ring runs. rings_running tells which ones have brought all words of read_addresses.
--- Strobe    That of the first ring, or of the second one while the first does not run. So are own_address, nodes and
---           the table.
+-- Strobe    The first of the two in each cycle, so none is missing when a ring is cut right before it. own_address,
+--           nodes and the table are those of the first ring, or of the second one while the first does not run.
 -- Channel   Messages go through the first ring.
 -- Spec      With spec_word, a master waits until each member has answered it once, in any ring, since it is in one that
 --           runs, and tells by `judged`. So a ring that starts again or stops does not stop the other one. If a member
@@ -92,7 +92,8 @@ end entity;
 
 architecture rtl of tosnet_rings is
 
-  constant hop_clocks : positive := hop_bits * clocks_per_bit;
+  constant hop_clocks   : positive := hop_bits * clocks_per_bit;
+  constant apart_clocks : positive := 2 * hop_clocks; -- of the two rings' strobes, at most
 
   type fours_t is array (natural range <>) of unsigned(3 downto 0);
   type ids_t is array (natural range <>) of std_ulogic_vector(3 downto 0);
@@ -115,7 +116,7 @@ architecture rtl of tosnet_rings is
   signal lacks          : std_ulogic_vector(0 to rings - 1);
   signal answered       : std_ulogic_vector(15 downto 0) := (others => '0'); -- … that have answered in one of them
   signal strange        : std_ulogic_vector(15 downto 0) := (others => '0'); -- … and have told another spec
-  signal sees           : natural range 0 to rings - 1; -- the ring whose strobe the user has
+  signal sees           : natural range 0 to rings - 1; -- the ring whose place and table the user has
 
   -- Of the master's packets.
   signal due     : std_ulogic_vector(0 to rings - 1); -- it is ready to send
@@ -187,6 +188,7 @@ begin
     hold    <= "0";
     give_up <= "0";
     sees    <= 0;
+    strobe  <= from_nodes(0).strobe;
     running <= from_nodes(0).running;
     damaged <= each_damaged(0);
   end generate;
@@ -196,8 +198,13 @@ begin
     signal active : std_ulogic_vector(0 to 1); -- this node is the ring's master
     signal waited : natural range 0 to hop_clocks;
     signal both   : std_ulogic := '0'; -- the last packets went into both rings, which run since then
+    signal since  : natural range 0 to apart_clocks := 0; -- clocks in which the other ring's strobe may come
+    signal any_strobe : std_ulogic;
 
   begin
+
+    any_strobe <= (from_nodes(0).strobe and from_nodes(0).running) or (from_nodes(1).strobe and from_nodes(1).running);
+    strobe     <= any_strobe and to_bit(since = 0);
 
     active  <= (from_nodes(0).running and from_nodes(0).is_master)
                & (from_nodes(1).running and from_nodes(1).is_master);
@@ -223,6 +230,20 @@ begin
         if reset = '1' then
           both   <= '0';
           waited <= 0;
+        end if;
+      end if;
+    end process;
+
+    once_a_cycle : process (clock) is
+    begin
+      if rising_edge(clock) then
+        if since > 0 then
+          since <= since - 1;
+        elsif any_strobe = '1' then
+          since <= apart_clocks;
+        end if;
+        if reset = '1' then
+          since <= 0;
         end if;
       end if;
     end process;
@@ -271,7 +292,6 @@ begin
   end process;
 
   is_master   <= from_nodes(sees).is_master;
-  strobe      <= from_nodes(sees).strobe;
   own_address <= each_address(sees);
   nodes       <= each_nodes(sees);
   table_entry <= each_entry(sees);
@@ -280,7 +300,7 @@ begin
   words : entity work.tosnet_words
     generic map (
       read_addresses => read_addresses, write_addresses => write_addresses, safe_addresses => safe_addresses,
-      safe_values => safe_values, rings => rings, apart_clocks => 2 * hop_clocks)
+      safe_values => safe_values, rings => rings, apart_clocks => apart_clocks)
     port map (
       clock => clock, reset => reset, from_nodes => from_nodes, send_words => send_words, exchange => exchange,
       missing => missing, lacks => lacks, read_words => read_words, write_words => write_words);
