@@ -17,8 +17,9 @@ import pytest
 from unitylink_lab.bench import FIGURES
 from unitylink_lab.bench import run as measure
 
-# test_rtl, tests/ros
-ELSEWHERE = {"rtl", "ros1-out", "ros1-in", "ros1-delay", "dds-out", "dds-in", "dds-delay", "ros-joints"}
+# test_rtl, test_ring, tests/ros
+ELSEWHERE = {"rtl", "rtl-ring", *(f"ros1-{way}" for way in ("out", "in", "delay"))}
+ELSEWHERE |= {"dds-out", "dds-in", "dds-delay", "ros-joints"}
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 

@@ -10,7 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from unitylink_lab.bench import run as bench
+
 ROOT = Path(__file__).resolve().parents[2]
+
+pytestmark = pytest.mark.xdist_group("ring")  # one build of its designs
 
 
 @pytest.mark.parametrize("options", [["--twin"], []], ids=["twins", "designs"])
@@ -24,3 +28,9 @@ def test_the_ring_loses_a_fibre_and_goes_on(options: list[str], tmp_path: Path) 
     assert safe and float(safe[1]) <= float(safe[2])
     assert "mended: all joints are at their second target" in done.stdout
     assert "a fibre is cut" in picture.read_text(encoding="utf-8")
+
+
+def test_its_speed_is_measured() -> None:
+    """Here, because the five designs are compiled for the test above."""
+    report = bench(only=["rtl-ring"], quick=True, say=lambda message: None)
+    assert report.figures[0].measured > 0 and not report.figures[0].complaint

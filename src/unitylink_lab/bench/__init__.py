@@ -60,6 +60,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "dds-delay": ("ros", "measure_dds_delay"),
     "ros-joints": ("ros", "measure_joints"),
     "rtl": ("rtl", "measure"),
+    "rtl-ring": ("rtl", "measure_ring"),
     "lockstep": ("lockstep", "measure_twin"),
     "lockstep-rtl": ("lockstep", "measure_rtl"),
     "lockstep-64": ("lockstep", "measure_vector"),
