@@ -297,32 +297,36 @@ begin
     at_place(0, '1');
     at_place(1, '1', '1');       -- it ends the work, so it has one clock
     at_rest(3);
-    s_begins <= '1';
-    at_rest(1);
-    s_begins <= '0';
-    at_place(34, '0', '1');
-    at_place(34, '0');
-    act_now <= '0';
-    wait for 1 ns;
-    check_equal(last, '1', "the last time, but it waits");
-    tick(clock);
-    at_place(34, '1');
-    at_place(5, '0', '1', '1');  -- its number of times is loaded
-    at_place(5, '0');
-    at_place(5, '0');
-    at_place(5, '1');
-    at_place(6, '0', '1', '1');
-    for count in 1 to 4 loop
-      at_place(6, '0');  -- 8 - size times
+    for bytes in 1 to 4 loop
+      size     <= to_unsigned(bytes, 3);
+      s_begins <= '1';
+      at_rest(1);
+      s_begins <= '0';
+      at_place(34, '0', '1');
+      at_place(34, '0');
+      act_now <= '0';
+      wait for 1 ns;
+      check_equal(last, '1', "the last time, but it waits");
+      tick(clock);
+      at_place(34, '1');
+      at_place(5, '0', '1', '1');  -- its number of times is loaded
+      for count in 2 to bytes loop
+        at_place(5, '0');
+      end loop;
+      at_place(5, '1');
+      at_place(6, '0', '1', '1');
+      for count in 2 to (3 - bytes) mod 4 + 1 loop
+        at_place(6, '0');
+      end loop;
+      at_place(6, '1');
+      at_once(7);
+      at_once(20);
+      at_once(21);
+      at_once(8);
+      at_place(66, '0', '1');
+      at_place(66, '1');
+      at_rest(1);        -- the entry is fetched
     end loop;
-    at_place(6, '1');
-    at_once(7);
-    at_once(20);
-    at_once(21);
-    at_once(8);
-    at_place(66, '0', '1');
-    at_place(66, '1');
-    at_rest(1);        -- the entry is fetched
     s_begins <= '1';
     at_rest(1);
     s_begins <= '0';
