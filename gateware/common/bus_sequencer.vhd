@@ -22,7 +22,7 @@
 -- Failures  After failures_most in a row `valid` falls, and the set-up is done again. So it is after each failure in
 --           the set-up. While `enable` is 0 `valid` is 0, and nothing is asked; a frame ends before.
 -- Events    sampled: a sample has become visible. failed: a try has failed.
--- Latency   2 clocks per access. A word of the program takes 2 clocks, and a byte those of its bus. A period is exact
+-- Latency   2 clocks per access. A word of the program takes 3 clocks, and a byte those of its bus. A period is exact
 --           in the long run if clock_hz is at least 8 MHz.
 -- Errors    err for addresses behind the last output, for a write of anything but +0 and the outputs, and for one that
 --           does not select all bytes.
@@ -80,10 +80,11 @@ architecture rtl of bus_sequencer is
   signal told        : std_ulogic_vector(7 downto 0) := (others => '0'); -- the output was written
 
   -- The program.
-  type state_t is (fetching, running, exchanging);
+  type state_t is (fetching, loading, running, exchanging);
   signal state      : state_t;
   signal pc         : unsigned(7 downto 0) := (others => '0');
-  signal word       : program_word_t := (others => '0');
+  signal fetched    : program_word_t := (others => '0'); -- in the block RAM's register
+  signal word       : program_word_t := (others => '0'); -- in one of its own, which is faster to read
   signal operation  : std_ulogic_vector(2 downto 0);
   signal is_byte    : std_ulogic;
   signal is_output  : std_ulogic;
@@ -248,7 +249,8 @@ begin
   fetch : process (clock) is
   begin
     if rising_edge(clock) then
-      word <= rom(to_integer(pc));
+      fetched <= rom(to_integer(pc));
+      word    <= fetched;
     end if;
   end process;
 
@@ -287,6 +289,8 @@ begin
       if reset = '1' or anew = '1' or commits = '1' or fails = '1' or steps = '1' then
         state <= fetching;
       elsif state = fetching then
+        state <= loading;
+      elsif state = loading then
         state <= running;
       elsif request.go = '1' then
         state <= exchanging;

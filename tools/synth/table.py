@@ -291,7 +291,7 @@ ROWS = (
         "spi_device",
         "a component: sets a device on SPI up and reads it, by a table",
         top="spi_device",
-        cells_most=420,
+        cells_most=440,
         mhz_least=50.0,
         memories_most=5,
     ),

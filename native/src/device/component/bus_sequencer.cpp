@@ -179,7 +179,7 @@ void BusSequencer::go_on(Clock edge) noexcept { go_to((pc_ + 1) % 256, edge); }
 void BusSequencer::go_to(std::uint32_t pc, Clock edge) noexcept {
   pc_ = pc;
   state_ = State::fetching;
-  due_ = edge + 1;
+  due_ = edge + 2;
 }
 
 void BusSequencer::start_anew(Clock edge) noexcept {

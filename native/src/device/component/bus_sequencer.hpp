@@ -65,7 +65,7 @@ class BusSequencer : public Component {
   Tick tick_;  // of a microsecond
 
   State state_ = State::fetching;
-  Clock due_ = 0;  // of the sequencer itself
+  Clock due_ = 1;  // of the sequencer itself
   std::uint32_t pc_ = 0;
   std::uint32_t word_ = 0;
   bool enable_ = true;
