@@ -101,7 +101,7 @@ def test_no_command_reaches_a_node_of_another_spec_that_has_come(ghdl: Any, opti
     ghdl.run("tosnet_spec_tb", **options)
 
 
-# The watchdog of the first one stops a ring between the strobes of the two, so who sees each sees one too many.
+# The watchdog of the first one stops a ring between the strobes of the two: who sees each sees one too many.
 @pytest.mark.parametrize(
     "generics",
     [

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The speed of the compiled gateware: simulated clocks a second of the SCARA's design, and of a ring of five nodes,
-while it answers and publishes.
+"""The speed of the compiled gateware: simulated clocks a second of the SCARA's design, and of a ring of five
+nodes, while it answers and publishes.
 """
 
 from __future__ import annotations
