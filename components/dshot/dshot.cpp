@@ -44,7 +44,7 @@ class Dshot final : public Component {
 
  private:
   enum Register : std::uint32_t { throttle, command, speed, reply, stride };
-  enum class State { idle, loading, pulse, rest, listen, receive, divide, pause };
+  enum class State { idle, loading, coding, pulse, rest, listen, receive, divide, pause };
   static constexpr std::uint32_t throttle_most = 2000;
   static constexpr std::uint32_t first_value = 47;
   static constexpr std::uint32_t quarter_turns = 4'000'000;
@@ -137,6 +137,10 @@ class Dshot final : public Component {
         go(State::loading, edge, 1);
         break;
       case State::loading: load(edge); break;
+      case State::coding:
+        output(drive_of(channel_), true, edge);
+        begin_bit(edge);
+        break;
       case State::pulse:
         output(channel_, bidirectional_, edge);
         go(State::rest, edge, bit_ - ((frame_ & 0x8000u) != 0 ? one_ : zero_));
@@ -177,8 +181,7 @@ class Dshot final : public Component {
     const std::uint32_t sum = (value >> 8 ^ value >> 4 ^ value) & 0xFu;
     frame_ = value << 4 | (bidirectional_ ? sum ^ 0xFu : sum);
     bits_ = 15;
-    output(drive_of(channel_), true, edge);
-    begin_bit(edge);
+    go(State::coding, edge, 1);
   }
 
   void begin_bit(Clock edge) {

@@ -90,7 +90,7 @@ architecture rtl of dshot is
   type speeds_t is array (channel_t) of unsigned(15 downto 0);
   type ages_t is array (channel_t) of unsigned(6 downto 0);
   type failures_t is array (channel_t) of unsigned(7 downto 0);
-  type state_t is (idle, loading, pulse, rest, listen, receive, divide, scale, pause);
+  type state_t is (idle, loading, coding, pulse, rest, listen, receive, divide, scale, pause);
 
   constant valid_before : unsigned(6 downto 0) := to_unsigned(failures_most, 7);
 
@@ -143,6 +143,8 @@ architecture rtl of dshot is
   signal state    : state_t := idle;
   signal channel  : channel_t := 0;
   signal timer    : timer_t := (others => '0');
+  signal asked    : unsigned(11 downto 0) := (others => '0'); -- a throttle, or a command with its telemetry bit
+  signal is_throttle : std_ulogic := '0';
   signal frame    : std_ulogic_vector(15 downto 0); -- what is still to be sent, or the reply
   signal bits     : unsigned(4 downto 0) := (others => '0'); -- that are still to come, or steps
   signal level    : std_ulogic;                     -- of the line of this channel
@@ -240,15 +242,23 @@ begin
           end if;
 
         when loading =>
-          throttle := unsigned(write_words(4 * channel)(throttle_t'range));
-          value    := (others => '0');
+          throttle    := unsigned(write_words(4 * channel)(throttle_t'range));
+          asked       <= '0' & throttle;
+          is_throttle <= '0';
+          state       <= coding;
           if throttle /= 0 then
-            value(11 downto 1) := minimum(throttle, to_unsigned(throttle_most, 11)) + first_value;
-            forgets := true;
+            is_throttle <= '1';
+            forgets     := true;
           elsif commands(channel) /= 0 then
-            value     := "00000" & commands(channel) & '1';
+            asked     <= "00000" & commands(channel) & '1';
             repeating := true;
             forgets   := repeats(channel) = 0;
+          end if;
+
+        when coding =>
+          value := asked;
+          if is_throttle = '1' then
+            value := (minimum(asked(throttle_t'range), to_unsigned(throttle_most, 11)) + first_value) & '0';
           end if;
           frame <= std_ulogic_vector(value) &
                    std_ulogic_vector(value(11 downto 8) xor value(7 downto 4) xor value(3 downto 0));

@@ -3,7 +3,7 @@
 -- Sine and cosine of an angle: a table of 256 values for a quarter of a turn, which a block memory holds. A value is
 -- that of the middle of its 1/1024 turn, so the angle is at most 0.18 degrees wrong.
 --
--- Latency   sine 2 clocks, cosine 3 clocks after the angle. They are right while the angle stands.
+-- Latency   sine and cosine 3 or 4 clocks after the angle. They are right while the angle stands.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,6 +37,11 @@ architecture rtl of foc_sine is
   signal which       : std_ulogic := '0'; -- 1: the place of the cosine is looked up
   signal looks_up    : std_ulogic := '0'; -- which one has come from the table
   signal back        : std_ulogic := '0'; -- it is below 0
+  signal looked_up   : unsigned(15 downto 0) := (others => '0');
+
+  -- The same, a clock later: the block RAM is slow.
+  signal is_cosine   : std_ulogic := '0';
+  signal below       : std_ulogic := '0';
   signal value       : unsigned(15 downto 0) := (others => '0');
 
 begin
@@ -47,18 +52,22 @@ begin
     variable found    : signed(15 downto 0);
   begin
     if rising_edge(clock) then
-      which    <= not which;
-      looks_up <= which;
-      quadrant := angle(15 downto 14) + ('0' & which);
-      place    := angle(13 downto 6) xor (7 downto 0 => quadrant(0));
-      value    <= sines(to_integer(place));
-      back     <= quadrant(1);
+      which     <= not which;
+      looks_up  <= which;
+      quadrant  := angle(15 downto 14) + ('0' & which);
+      place     := angle(13 downto 6) xor (7 downto 0 => quadrant(0));
+      looked_up <= sines(to_integer(place));
+      back      <= quadrant(1);
+
+      is_cosine <= looks_up;
+      below     <= back;
+      value     <= looked_up;
 
       found := signed(value);
-      if back = '1' then
+      if below = '1' then
         found := -found;
       end if;
-      if looks_up = '1' then
+      if is_cosine = '1' then
         cosine <= found;
       else
         sine <= found;

@@ -60,6 +60,7 @@ architecture rtl of servo_bus_sender is
   signal tx_valid, tx_ready, taken, skips : std_ulogic;
   signal begins, takes, busy : std_ulogic;
   signal check    : std_ulogic_vector(15 downto 0);
+  signal length   : unsigned(7 downto 0) := (others => '0'); -- of the packet
 
   function id_of (number : servo_t) return byte_t is
   begin
@@ -76,8 +77,28 @@ begin
   begins   <= taken when part = head and place = rules.header_last else '0';
   takes    <= taken when part = items or (part = head and place > rules.header_last) else '0';
 
+  -- It stands from `go` on, so a register of its own costs no time.
+  measure : process (clock) is
+    variable bytes : unsigned(7 downto 0);
+  begin
+    if rising_edge(clock) then
+      bytes := to_unsigned(rules.length_least, 8);
+      case packet is
+        when torques =>
+          bytes := bytes + (count & '0');
+        when goals =>
+          bytes := bytes + count + (count & '0');
+          if not rules.feetech then
+            bytes := bytes + (count & '0');
+          end if;
+        when question =>
+          null;
+      end case;
+      length <= bytes;
+    end if;
+  end process;
+
   choose : process (all) is
-    variable length        : unsigned(7 downto 0);
     variable id            : byte_t;
     variable instruction   : byte_t;
     variable register_byte : byte_t;
@@ -86,18 +107,6 @@ begin
     variable kind          : natural range 0 to 2;
   begin
     kind := packet_t'pos(packet);
-    length := to_unsigned(rules.length_least, 8);
-    case packet is
-      when torques =>
-        length := length + (count & '0');
-      when goals =>
-        length := length + count + (count & '0');
-        if not rules.feetech then
-          length := length + (count & '0');
-        end if;
-      when question =>
-        null;
-    end case;
     id          := x"FE";
     instruction := x"83";
     if packet = question then

@@ -54,7 +54,8 @@ begin
     generic map (address => 16#43#, clocks_per_bit => clocks_per_bit, hold_bits => hold_bits)
     port map (
       clock => clock, reset => reset, running => running, is_master => is_master, strobe => strobe,
-      strobe_fresh => fresh, received_valid => to_master, received_address => arrives_at, received_word => arrives_word, word => word,
+      strobe_fresh => fresh, received_valid => to_master, received_address => arrives_at,
+      received_word => arrives_word, word => word,
       valid => valid, now_bits => bits);
 
   slave : entity work.tosnet_clock
@@ -80,7 +81,8 @@ begin
     if rising_edge(other_clock) then
       last_bits  <= other_bits;
       last_valid <= other_valid;
-      check(last_valid = '0' or other_valid = '0' or signed(other_bits - last_bits) >= 0, "the clock of the ring runs backwards");
+      check(last_valid = '0' or other_valid = '0' or signed(other_bits - last_bits) >= 0,
+            "the clock of the ring runs backwards");
     end if;
   end process;
 
