@@ -260,12 +260,14 @@ ROWS = (
         "a component: counts and times the pulses of a line, without a frequency",
         top="narrow_pulse_counter",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "modbus_master",
         "a component: reads a register over Modbus, by a table",
         top="modbus_master",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "rc_receiver",
@@ -294,6 +296,7 @@ ROWS = (
         cells_most=440,
         mhz_least=50.0,
         memories_most=5,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "three_phase_pwm",
@@ -307,6 +310,7 @@ ROWS = (
         "a component: four speed controllers with DShot, without replies",
         top="dshot",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "absolute_encoder",
@@ -320,6 +324,7 @@ ROWS = (
         "a component: six servos of Dynamixel on one line",
         top="servo_bus",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "uart_bridge",
@@ -400,5 +405,6 @@ ROWS = (
         "a part of a component: the velocity of an encoder, or of Hall sensors",
         top="quadrature_encoder_velocity",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
 )
