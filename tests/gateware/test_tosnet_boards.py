@@ -21,6 +21,7 @@ from unitylink.simulate import Board
 from unitylink.simulate.registers import Registers
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import compile_text, load
+from unitylink.spec.isochrony.ring import ring_budget
 from unitylink.spec.model import Spec
 from unitylink.spec.ring import ring_at
 
@@ -353,3 +354,33 @@ def test_values_of_a_node_may_have_the_names_of_its_own_ports(designs: Any) -> N
     library = designs.library(spec)
     for entity in ("ring_node_2", "ring_top"):
         assert f"entity {entity}" in library.synthesise(entity, HARMLESS)
+
+
+class Clocks(Joints):
+    """Each joint's position is the time at which it was set, in us."""
+
+    def step(self, time_s: float) -> None:
+        for joint in JOINTS:
+            self.registers[joint * 64] = round(time_s * 1e6)
+
+
+def test_a_value_is_at_the_pc_within_the_bound_of_the_budget() -> None:
+    spec = compiled(WORDS)
+    board = RtlBoard(spec, plant=Clocks(), endpoint="lockstep")
+    ring = ring_at(spec, 0)
+    # The simulated line has a third of the clock, and all times of a ring are so many of its bits.
+    slower = ring.baud_hz / (board.configuration.clock_hz / 3)
+    bound_s = slower * (ring_budget(ring).inward.bound_s or 0.0)
+    with board, Link(f"{board.url}?timeout=10") as link:
+        link.step(0.01)  # the bridge clears its memory
+        online(link)
+        began_s = link.now_s() - board.time_s
+        with link.subscribe([joint * 64 for joint in JOINTS], on_event=True, group=0) as publishes:
+            link.step(20 * slower * ring.shortest_s)
+            times, rows = publishes.drain()
+    cycles_s = times[1:] - times[:-1]
+    assert len(cycles_s) > 10
+    assert abs(cycles_s / (slower * ring.shortest_s) - 1).max() < 0.05
+    # What changes right behind a value that was sampled comes with the next publish.
+    latest_s = (times[1:, None] - began_s - rows[:-1] / 1e6).max()
+    assert 0.95 * bound_s < latest_s <= bound_s + Clocks.period_s
