@@ -132,7 +132,7 @@ FAULTS = [
     ("foc", 0, "shift_right(speed, 3) + shift_right(speed, 4)", "shift_right(speed, 3)"),
     ("foc", 0, "back     <= quadrant(1);", "back     <= angle(15);"),
     ("foc", 1, "        fresh      <= '1';", "        fresh      <= '0';"),
-    ("dshot", 0, "minimum(throttle, to_unsigned(throttle_most, 11))", "throttle"),
+    ("dshot", 0, "minimum(asked(throttle_t'range), to_unsigned(throttle_most, 11))", "asked(throttle_t'range)"),
     ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
     ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),
     (
