@@ -130,9 +130,14 @@ FAULTS = [
     ("three_phase_pwm", 2, "(not lost or not enabled_before);", "'1';"),
     ("foc", 0, "if high_d = '0' or product(35) /= vd(17) then", "if high_d = '0' then"),
     ("foc", 0, "shift_right(speed, 3) + shift_right(speed, 4)", "shift_right(speed, 3)"),
-    ("foc", 0, "back     <= quadrant(1);", "back     <= angle(15);"),
+    ("foc", 0, "back      <= quadrant(1);", "back      <= angle(15);"),
     ("foc", 1, "        fresh      <= '1';", "        fresh      <= '0';"),
-    ("dshot", 0, "minimum(asked(throttle_t'range), to_unsigned(throttle_most, 11))", "asked(throttle_t'range)"),
+    (
+        "dshot",
+        0,
+        "minimum(asked(throttle_t'range), to_unsigned(throttle_most, 11))",
+        "asked(throttle_t'range)",
+    ),
     ("dshot", 0, "forgets   := repeats(channel) = 0;", "forgets   := repeats(channel) = 1;"),
     ("dshot", 0, "elsif commands(channel) /= 0 then", "elsif commands(channel) > 1 then"),
     (
@@ -159,8 +164,8 @@ FAULTS = [
     (
         "spi_device",
         3,
-        "reason <= (not reply.failed) & reply.failed;",
-        "reason <= reply.failed & (not reply.failed);",
+        "reason <= failure_wrong_reply;",
+        "reason <= failure_no_answer;",
     ),
     ("spi_device", 0, "(coarse = '0' or part = 255)", "(coarse = '0' or part = 254)"),
     ("spi_device", 1, "maximum(2, (clock_hz", "maximum(3, (clock_hz"),

@@ -36,6 +36,8 @@ from gateware.random_wires import random_wires
 from gateware.simulators import Ghdl
 
 from unitylink import _native
+from unitylink.gateware import gateware_sources
+from unitylink.gateware.dependencies import needed_sources
 from unitylink.interface.components import ComponentConfiguration, components_of
 from unitylink.spec import compile_text
 from unitylink.spec.text.imports import component_names
@@ -172,7 +174,7 @@ CASES = {
         Case("channels=1, kbaud=120, frame_hz=1500, bidirectional=1", pause=200, quiet=400),
     ),
     "i2c_device": (
-        Case(values={0: (0, *[1] * 30)}, pause=900, quiet=2, program=SHORT),
+        Case(values={0: (0, *[1] * 30)}, pause=1200, quiet=2, program=SHORT),
         Case("scl_hz=100000, stretch_us=100, period=300 us, failures_most=2", {0: (1,)}, 200, 900),
         Case("start=100 us", {0: (1,)}, 300, 5, device="mpu6050"),
     ),
@@ -353,6 +355,21 @@ SOME_FAULTS = [
 ]
 
 
+def faulty_source(fault: tuple[str, int, str, str], sources: Any) -> Path:
+    """Return the one source that has the text of a fault, and has it once."""
+    name, _, old, _ = fault
+    found = [path for path in sources if old in path.read_text(encoding="utf-8")]
+    right = [path for path in found if path.stem.startswith(name)] or found
+    assert len(right) == 1 and right[0].read_text(encoding="utf-8").count(old) == 1, (fault, right)
+    return right[0]
+
+
+def test_each_fault_has_its_place() -> None:
+    for fault in FAULTS:
+        entity = configuration(fault[0], CASES[fault[0]][fault[1]]).entity
+        faulty_source(fault, needed_sources(entity, gateware_sources()))
+
+
 @pytest.mark.parametrize("fault", SOME_FAULTS)
 def test_a_fault_is_noticed(tmp_path: Path, fault: tuple[str, int, str, str]) -> None:
     name, number, old, new = fault
@@ -361,12 +378,9 @@ def test_a_fault_is_noticed(tmp_path: Path, fault: tuple[str, int, str, str]) ->
     stimuli = random_stimuli(one, case, case.clocks, seed=number)
 
     def with_fault(folder: Path, sources: Any) -> Any:
-        found = [path for path in sources if old in path.read_text(encoding="utf-8")]
-        (right,) = [path for path in found if path.stem.startswith(name)] or found
-        text = right.read_text(encoding="utf-8")
-        assert text.count(old) == 1
+        right = faulty_source(fault, sources)
         wrong = folder / right.name
-        wrong.write_text(text.replace(old, new), encoding="utf-8")
+        wrong.write_text(right.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
         return Ghdl(folder, [*(path for path in sources if path != right), wrong])
 
     with pytest.raises(AssertionError, match="the VHDL gives"):
