@@ -27,6 +27,8 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
         ("dashboard", ["--seconds", "2"], "j1.cpos and 7 more: "),
         ("servo", [], "the limit switch has closed, 1 in all"),
+        ("belt_axis", [], "the carriage goes at 0.4"),
+        ("belt_axis", ["--rtl"], "the carriage goes at 0.4"),
         ("diff_drive", [], "back, "),
         ("foc_joint", [], "all angles are reached, and the bridge is off"),
         ("scara_stepper", [], "the arm is home again"),

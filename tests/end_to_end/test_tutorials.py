@@ -37,6 +37,7 @@ def script_of(page: str) -> str:
 @pytest.mark.parametrize(
     ("page", "says"),
     [
+        ("plants.md", ("after half a second: 7.3 rad",)),
         ("own-plant.md", ("x.target = 0.524 rad", "x.position=", "there: 60 deg", "2 passed")),
         pytest.param(
             "learn.md",

@@ -8,6 +8,7 @@ examples run anew first.
 from __future__ import annotations
 
 import csv
+import math
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -33,6 +34,13 @@ class Panel:
 
 
 PICTURES = {
+    "belt_axis": (
+        "A carriage on a belt starts, and turns round",
+        (
+            Panel("the speed", "time in s", "m/s", (("encoder", 0, 2), ("datasheet", 0, 3))),
+            Panel("what the encoder does not see", "time in s", "mm", (("the play", 0, 4),)),
+        ),
+    ),
     "bus_arm": (
         "An arm on bus servos picks something up",
         (
@@ -95,7 +103,9 @@ def ticks(low: float, high: float) -> list[float]:
 
 def draw_panel(picture: Picture, panel: Panel, rows: list[list[float]], left: float, width: float) -> None:
     top, height = 60.0, 300.0
-    lines = [(name, [(row[x], row[y]) for row in rows]) for name, x, y in panel.lines]
+    lines = [
+        (name, [(row[x], row[y]) for row in rows if not math.isnan(row[y])]) for name, x, y in panel.lines
+    ]
     x_low, x_high = _range([x for _, points in lines for x, _ in points])
     y_low, y_high = _range([y for _, points in lines for _, y in points])
     x_scale, y_scale = width / (x_high - x_low), height / (y_high - y_low)

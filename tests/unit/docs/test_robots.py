@@ -28,10 +28,11 @@ def robots(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 
 def test_the_pictures_are_those_of_the_runs(robots: Any) -> None:
+    pages = "".join((ROOT / "docs" / page).read_text("utf-8") for page in ("robots.md", "plants.md"))
     for name in robots.PICTURES:
         drawn = (robots.IMAGES / f"{name}.svg").read_text("utf-8")
         assert drawn == robots.draw(name), "`python tools/docs/robots.py` draws them"
-        assert f"images/{name}.svg" in (ROOT / "docs" / "robots.md").read_text("utf-8")
+        assert f"images/{name}.svg" in pages
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 4.2), (-0.02, 0.42), (57.0, 123.0), (-260.0, 260.0)])

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Parts of machines for plants, in the units of their datasheets. See docs/plants.md."""
+
+from __future__ import annotations
+
+from .battery import Battery
+from .bridge import Bridge
+from .catalogue import GEARS, MOTORS, SERVOS, STEPPERS
+from .dc_motor import DcMotor
+from .dc_motor_data import DcMotorData
+from .encoder import Encoder
+from .end_switch import EndSwitch
+from .gear import Gear
+from .hall_sensors import HallSensors
+from .measurement import Measurement
+from .rc_servo import RcServo, RcServoData
+from .stepper import Stepper, StepperData
+from .supply import Supply
+
+__all__ = [
+    "GEARS",
+    "MOTORS",
+    "SERVOS",
+    "STEPPERS",
+    "Battery",
+    "Bridge",
+    "DcMotor",
+    "DcMotorData",
+    "Encoder",
+    "EndSwitch",
+    "Gear",
+    "HallSensors",
+    "Measurement",
+    "RcServo",
+    "RcServoData",
+    "Stepper",
+    "StepperData",
+    "Supply",
+]
