@@ -196,6 +196,15 @@ class TestCore:
         call(BIN / "cmake", "--build", "b", cwd=tmp_path)
         self.read_with(tmp_path / "b" / "reader", tmp_path)
 
+    def test_cmake_builds_a_program_with_generated_headers(self, prefix: Path, tmp_path: Path) -> None:
+        source = ROOT / "examples" / "control_loop"
+        found = (f"-DCMAKE_PREFIX_PATH={prefix}", f"-DUNITYLINK={UNITYLINK}")
+        call(BIN / "cmake", "-S", source, "-B", "b", *found, cwd=tmp_path)
+        call(BIN / "cmake", "--build", "b", cwd=tmp_path)
+        for program in ("loop", "loop_c"):
+            usage = subprocess.run([tmp_path / "b" / program], check=False, capture_output=True, text=True)
+            assert (usage.returncode, usage.stderr) == (2, "usage: loop LINK ANGLE SECONDS\n")
+
     def test_pkg_config_finds_it(self, prefix: Path, tmp_path: Path) -> None:
         pkg_config = shutil.which("pkg-config")
         assert pkg_config, "pkg-config is missing: install the Debian package pkg-config"

@@ -22,7 +22,7 @@ from .root_option import part_of, root_option
 @click.option(
     "--only",
     metavar="ARTEFACT[,...]",
-    help="Make these: python (the default), vhdl, bench (of your logic), json, html, ros1, ros2.",
+    help="Make these: python (the default), cpp, c, vhdl, bench (of your logic), json, html, ros1, ros2.",
 )
 @click.option(
     "--physical",
@@ -60,7 +60,8 @@ def command(
 ) -> None:
     """Make typed Python classes and a gateware design in VHDL from a spec.
 
-    The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder vhdl/,
+    The Python has an attribute for each item, with its address, type and unit. `cpp` and `c` are headers with
+    the same objects for C++20 and C11. The VHDL, in the folder vhdl/,
     is a complete design: the link, a register for each item, and records that give your logic the items by
     name. A spec with several links gets a design for the board behind each.
 
@@ -71,6 +72,7 @@ def command(
     Examples:
       unitylink generate arm.ul
       unitylink generate arm.ul --out build --only python,vhdl
+      unitylink generate arm.ul --only cpp
       unitylink generate arm.ul --out build --only vhdl,bench
       unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate two_arms.ul --out build --only vhdl --root left_arm

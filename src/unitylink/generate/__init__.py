@@ -22,6 +22,8 @@ from unitylink.spec.collector import collector_paused
 from unitylink.spec.model import Spec
 
 from .bench import bench_files
+from .c import c_files
+from .cpp import cpp_files
 from .html import html_files
 from .json import json_files
 from .python import python_files
@@ -66,6 +68,8 @@ class Artefact:
 ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
     {
         "python": Artefact(python_files),
+        "cpp": Artefact(cpp_files),
+        "c": Artefact(c_files),
         "vhdl": Artefact(vhdl_files, gateware=True),
         "bench": Artefact(bench_files, gateware=True),
         "json": Artefact(json_files),

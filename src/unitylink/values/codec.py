@@ -262,6 +262,10 @@ class Codec:
                     raise self._refused(value)
                 real = min(max(real, low), high)
             number = (real - quantity.offset) / quantity.scale
+            if math.isinf(number) and math.isfinite(real):  # too large for the raw number
+                if not self._saturates:
+                    raise self._refused(value)
+                number = math.copysign(self._float_max(), number)
             try:
                 return int(struct.unpack(whole, struct.pack(code, number))[0])
             except OverflowError:

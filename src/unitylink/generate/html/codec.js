@@ -142,14 +142,15 @@ class Codec {
     }
     const view = new DataView(new ArrayBuffer(8));
     const number = (value - this.offset) / this.scale;
+    const stored = this.width === 32 ? Math.fround(number) : number;
+    const beyond = Number.isFinite(value) && !Number.isFinite(stored);
+    if (beyond && this.quantity.overflow !== "saturate") throw new ValueError(this.range());
+    const sent = beyond ? Math.sign(number) * largest : stored;
     if (this.width === 32) {
-      const short = Math.fround(number);
-      const beyond = Number.isFinite(number) && !Number.isFinite(short);
-      if (beyond && this.quantity.overflow !== "saturate") throw new ValueError(this.range());
-      view.setFloat32(0, beyond ? Math.sign(number) * largest : short);
+      view.setFloat32(0, sent);
       return BigInt(view.getUint32(0));
     }
-    view.setFloat64(0, number);
+    view.setFloat64(0, sent);
     return view.getBigUint64(0);
   }
 

@@ -23,11 +23,12 @@ from unitylink.spec.model import Member as SpecMember
 from unitylink.spec.types import INT32, UINT32
 from unitylink.values import Quantity
 
+from ..objects.documentation import places as _places
+from ..objects.documentation import shown as _shown
+from ..objects.documentation import value_facts
+from ..objects.shapes import arrays, camel, relative, shape
 from ..quoting import Python, file_name
 from ..spec_plan import SpecPlan
-from .docstrings import places as _places
-from .docstrings import shown as _shown
-from .docstrings import value_facts
 from .modules import module_name, variable_name
 from .text import WIDTH, Argument, Call, call, docstring, repeated
 from .types import TypeClass, Types
@@ -98,9 +99,9 @@ class _Planner:
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
         self.taken: set[str] = set(MODULE_NAMES)
-        self.types = Types(spec, self._claim, _camel)
+        self.types = Types(spec, self._claim, camel)
         self.lines = {root.name: event_lines(spec, root) for root in spec.roots}
-        self.root_class = {root.name: self._claim(_camel(root.name)) for root in spec.roots}
+        self.root_class = {root.name: self._claim(camel(root.name)) for root in spec.roots}
         self.table_names = {root.name: self._claim_tables(self.root_class[root.name]) for root in spec.roots}
         self.class_table = self._claim("_CLASSES")
         self.shape_class: dict[Hashable, str] = {}
@@ -129,10 +130,10 @@ class _Planner:
 
     def _collect(self, instance: Instance) -> None:
         for part in instance.instances:
-            shape = _shape(part, instance.link)
-            if shape not in self.shape_class:
-                self.shape_class[shape] = self._claim(_camel(part.constructor))
-            self.expansions.setdefault(self.shape_class[shape], []).append((part, instance.link))
+            found = shape(part, instance.link)
+            if found not in self.shape_class:
+                self.shape_class[found] = self._claim(camel(part.constructor))
+            self.expansions.setdefault(self.shape_class[found], []).append((part, instance.link))
             self._collect(part)
 
     def module(self) -> Module:
@@ -280,7 +281,7 @@ class _Planner:
         names = dict.fromkeys(attribute_of(member) for member in instance.members)
         attributes = python_names(names, ATTRIBUTE_NAMES | self.taken)
         members = []
-        for name, positions in _arrays(instance).items():
+        for name, positions in arrays(instance).items():
             first = instance.members[positions[0]]
             here = [place.members[position] for place, _ in places for position in positions]
             attribute = attributes[name]
@@ -297,7 +298,7 @@ class _Planner:
     ) -> Member:
         parts = [item for item in here if isinstance(item, Instance)]
         own = [m for m in (instance.members[p] for p in positions) if isinstance(m, Instance)]
-        kinds = [self.shape_class[_shape(part, instance.link)] for part in own]
+        kinds = [self.shape_class[shape(part, instance.link)] for part in own]
         text = docstring(4, parts[0].documentation, f"{_places([_shown(part) for part in parts])}.")
         if not own[0].array:
             head = Python.of("self.{} = {}", attribute, kinds[0])
@@ -345,15 +346,6 @@ def _item_of(array: str) -> Python:
     return Python.of('f"{}[{{i}}]"', array)
 
 
-def _arrays(instance: Instance) -> dict[str, list[int]]:
-    """Return the positions of the members by attribute. The parts of an array have several."""
-    found: dict[str, list[int]] = {}
-    for position, member in enumerate(instance.members):
-        if not isinstance(member, Group):
-            found.setdefault(attribute_of(member), []).append(position)
-    return found
-
-
 def _publish(publish: Publish) -> Argument:
     if publish.trigger == "rate" and not publish.group:
         return Python.of("publish=({}, {})", publish.mode, publish.divisor)
@@ -365,39 +357,11 @@ def _publish(publish: Publish) -> Argument:
 
 
 def _group(attribute: str, group: Group, instance: Instance) -> Member:
-    paths = _relative(group, instance)
+    paths = relative(group, instance)
     arguments = [Python.text(text) for text in (group.name, *paths)]
     documentation = docstring(4, f"{len(paths)} words together: {_places(list(paths))}.")
     statement = call(8, Python.of("self.{} = self._group", attribute), arguments)
     return Member(attribute, Python("ValueGroup"), documentation, statement)
-
-
-def _shape(instance: Instance, above: LinkBinding) -> Hashable:
-    """Return the facts on which the class depends. Two expansions with the same facts share a class."""
-    members: list[Hashable] = []
-    for member in instance.members:
-        if isinstance(member, Instance):
-            members.append((member.name, member.array, member.documentation, _shape(member, instance.link)))
-        elif isinstance(member, Element):
-            facts = (
-                member.access,
-                Quantity.of(member),
-                member.words,
-                member.checked,
-                member.publish,
-                member.documentation,
-                member.array,
-            )
-            members.append((member.name, facts))
-        else:
-            members.append((member.name, _relative(member, instance)))
-    own = instance.link if instance.link != above else None
-    return (instance.constructor, own, tuple(members))
-
-
-def _relative(group: Group, instance: Instance) -> tuple[str, ...]:
-    start = len(instance.path) + 1 if instance.path else 0
-    return tuple(element.path[start:] for element in group.elements)
 
 
 def _named(instance: Instance) -> Iterator[Instance | Element]:
@@ -407,12 +371,6 @@ def _named(instance: Instance) -> Iterator[Instance | Element]:
         elif isinstance(member, Instance):
             yield member
             yield from _named(member)
-
-
-def _camel(name: str) -> str:
-    """Return a class name: `servo_left` -> ServoLeft, `_2nd` -> N2nd."""
-    joined = "".join(step[:1].upper() + step[1:] for step in name.split("_"))
-    return joined if joined.isidentifier() else f"N{joined}"
 
 
 def _imports(names: list[str]) -> Python:

@@ -49,6 +49,7 @@ __all__ = [
 LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
     {
         ".cpp": Cpp,
+        ".h": Cpp,
         ".hpp": Cpp,
         ".html": Html,
         ".launch": Xml,

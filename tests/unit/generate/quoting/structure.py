@@ -236,6 +236,7 @@ def _of(pattern: re.Pattern[str]) -> Callable[[str], Hashable]:
 
 _READERS: dict[str, Callable[[str], Hashable]] = {
     ".cpp": _cpp,
+    ".h": _cpp,
     ".hpp": _cpp,
     ".html": _html,
     ".json": _json,

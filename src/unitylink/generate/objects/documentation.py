@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The docstrings of generated classes."""
+"""What generated files say about values and parts, in every language with typed objects."""
 
 from __future__ import annotations
 

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The plan of typed objects that C and C++ share."""
+
+from __future__ import annotations
+
+from .names import Names, members, snake
+from .plan import ObjectsPlan
+from .planner import plan_objects
+from .style import Style
+
+__all__ = ["Names", "ObjectsPlan", "Style", "members", "plan_objects", "snake"]

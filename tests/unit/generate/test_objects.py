@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Headers of C and C++: equal to the golden files, free of warnings for every spec, and with usable names."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from unitylink.errors import BindingError
+from unitylink.generate import generate
+from unitylink.generate.objects.names import usable
+from unitylink.spec import compile_text, load
+from unitylink.spec.model import Spec
+
+ROOT = Path(__file__).resolve().parents[3]
+GOLDEN = ROOT / "tests" / "golden"
+EXAMPLES = sorted((ROOT / "examples").glob("*/*.ul"))
+TYPED = Path(__file__).with_name("typed.ul")
+SPECS = [*EXAMPLES, TYPED, TYPED.with_name("awkward.ul")]
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror", "-fsyntax-only"]
+COMPILERS = {"cpp": ["c++", "-std=c++20"], "c": ["cc", "-std=c11"]}
+# Names that mean something else in C or C++, or are names of what is generated.
+AWKWARD = """
+enum class: u2 { int = 0; EOF = 1; idle = 3; }
+open enum Error: u8 { NULL = 0; errno = 1; }
+bits union: u8 { static: bool @ 0; errno: u3 @ 3..1; class: class @ 5..4; raw: bool @ 6; }
+public namespace() {
+   @int = 0x0: READ();
+   @^link = 0x1: WRITE();
+   @objects = 0x2: union READWRITE(INITIAL=0);
+   @write = 0x3: class READWRITE();
+   @write_write = 0x4: READ(PUBLISH(10 Hz));
+   @snapshot = 0x5: Error READWRITE(INITIAL=errno);
+   @__x = 0x6: f64 READ();
+   @Joint = 0x8: READ();
+   @published_10_hz = 0x9: READ();
+   @ul_told = 0xA: READ();
+   @INT8_MAX[2] = 0xB: bool READ();
+   delete: Joint(0x10);
+   joint: Robot(0x20);
+   this[2]: joint_write(0x30+4*i);
+   template = ALL(joint_write).new;
+}
+Joint(at: int) { @inputs = at: WRITE(); }
+Robot(at: int) { @Robot = at: READ(); }
+joint_write(at: int) { @new = at: WRITE(MIN=1, MAX=5); @joint = at+1: READ(); }
+"""
+
+
+def spec_of(text: str, file: str = "robot.ul") -> Spec:
+    result = compile_text(text, file)
+    assert result.spec is not None, [found for found in result.diagnostics if found.severity == "error"]
+    return result.spec
+
+
+def header(spec: Spec, language: str) -> tuple[str, str]:
+    (file,) = generate(spec, language).items()
+    return file
+
+
+def compiled(folder: Path, language: str, headers: dict[str, str]) -> None:
+    """Compile headers with a use of each robot, and let no warning pass."""
+    lines = []
+    for name, text in headers.items():
+        (folder / name).write_text(text, encoding="utf-8")
+        lines.append(f'#include "{name}"\n')
+        if language == "cpp":
+            space = re.findall(r"^namespace (\w+) \{", text, re.M)[0]
+            for robot in re.findall(r"^class (\w+) : public unitylink::Robot<", text, re.M):
+                lines.append(
+                    f"void use(const unitylink::Link& link, {space}::{robot}*) {{ "
+                    f"{space}::{robot} made(link); auto other = {space}::{robot}::on(link); }}\n"
+                )
+    source = folder / f"all.{language}"
+    source.write_text("".join(lines) + "int main(void) { return 0; }\n", encoding="utf-8")
+    places = [f"-I{folder}", f"-I{ROOT / 'native' / 'include'}"]
+    subprocess.run([*COMPILERS[language], *WARNINGS, *places, source], check=True)
+
+
+@pytest.mark.parametrize("language", COMPILERS)
+@pytest.mark.parametrize(
+    "path", [TYPED, ROOT / "examples" / "scara" / "scara.ul"], ids=lambda path: path.stem
+)
+def test_golden(path: Path, language: str) -> None:
+    name, text = header(load(path), language)
+    golden = GOLDEN / language / name
+    if os.environ.get("UPDATE_GOLDEN"):
+        golden.write_text(text, encoding="utf-8")
+    assert text == golden.read_text(encoding="utf-8")
+    assert (name, text) == header(load(path), language), "the same spec gives the same text"
+
+
+@pytest.mark.parametrize("language", COMPILERS)
+def test_the_headers_of_all_specs_compile(language: str, tmp_path: Path) -> None:
+    headers = dict(header(load(path), language) for path in SPECS)
+    headers |= [header(spec_of(AWKWARD), language)]
+    assert len(headers) == len(SPECS) + 1, "each has a file of its own"
+    compiled(tmp_path, language, headers)
+
+
+def test_no_macro_of_the_headers_is_a_name() -> None:
+    found = set()
+    for language, (compiler, _) in COMPILERS.items():
+        standard = "gnu++20" if language == "cpp" else "gnu11"  # these have the most macros
+        name = "stream.hpp" if language == "cpp" else "part.h"
+        command = [compiler, f"-std={standard}", f"-I{ROOT / 'native' / 'include'}", "-dM", "-E", "-x"]
+        command += ["c++" if language == "cpp" else "c", "-"]
+        source = f"#include <unitylink/{name}>\n#include <time.h>\n"
+        done = subprocess.run(command, input=source, check=True, capture_output=True, text=True)
+        found |= {line.split()[1].split("(")[0] for line in done.stdout.splitlines()}
+    assert "INT8_MAX" in found and "errno" in found
+    assert [name for name in sorted(found) if usable(name)] == []
+
+
+def test_names_of_both_languages() -> None:
+    """The same things have the same names: a class `Joint` of C++ is the struct `robot_joint` of C."""
+    spec = spec_of(AWKWARD)
+    cpp, c = header(spec, "cpp")[1], header(spec, "c")[1]
+    assert "enum class Class : std::uint8_t {\n  int_ = 0U,\n  EOF_ = 1U,\n  idle = 3U," in cpp
+    assert "#define ROBOT_CLASS_INT ((robot_class_t)0U)" in c
+    assert "  std::array<JointWrite, 2> this_;" in cpp and "  robot_joint_write_2 this_[2];" in c
+    for name in ("link_2", "objects_2", "write_2", "snapshot_2", "x", "write_write", "INT8_MAX_"):
+        assert re.search(rf"unitylink::\w+<\S+ {name};", cpp) or f" {name};" in cpp, name
+    # the function that writes all of a class, and a value with that name, stay apart
+    functions = re.findall(r"^static inline \w+ (\w+)\(", c, re.M)
+    assert len(functions) == len(set(functions))
+
+
+def test_a_strobe_behind_a_commit_is_refused() -> None:
+    text = "public arm() { b: buffer(); } buffer() { DOUBLE_BUFFER(BASE=0, SIZE=4); @p = 0x0: bool PULSE(); }"
+    result = compile_text(text, "arm.ul")
+    if result.spec is None:
+        pytest.fail("the compiler refuses it now: this test and the check in facts.py can go")
+    with pytest.raises(BindingError, match="use a plain register"):
+        generate(result.spec, "cpp")
+
+
+def test_texts_of_initial_and_safe_values() -> None:
+    text = header(load(TYPED), "cpp")[1]
+    assert "double target = 0.5;  // WRITE, i16, in rad, from -3.14159265 to 3.14159265" in text
+    assert "initial 0.5, safe 0" in text
+    plain = header(load(TYPED), "c")[1]
+    assert "  outputs->target = 0.5;" in plain and "  outputs->j[2].target = 0.5;" in plain
