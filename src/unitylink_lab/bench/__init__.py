@@ -29,6 +29,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     "serve-litex-write": ("server", "measure_litex_write"),
     "exchange": ("exchange", "measure"),
     "cycle": ("exchange", "measure_cycle"),
+    "cpp-read": ("objects", "measure_read"),
+    "cpp-cycle": ("objects", "measure_cycle"),
     "litex-single": ("litex", "measure_single"),
     "litex-single-framed": ("litex", "measure_single_framed"),
     "litex-block": ("litex", "measure_block"),
