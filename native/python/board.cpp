@@ -175,12 +175,7 @@ PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, c
     std::random_device random;
     chosen.offer_secret = std::uint64_t{random()} << 32 | random() | 1;
   }
-  std::unique_ptr<ServedDevice> device;
-  if (model.is_none()) {
-    device = std::make_unique<Device>(chosen);
-  } else {
-    device = make_rtl_device(model, chosen);
-  }
+  std::unique_ptr<ServedDevice> device = served_device(chosen, model);
   std::string problem;
   try {
     return new PythonBoard(std::move(device), make_endpoint(endpoint, bind));
@@ -328,6 +323,7 @@ void bind_board(nb::module_& module) {
              }
              raise_error("UnityLinkError", problem);
            })
+      .def("begin_anew", &begin_anew<PythonBoard>, nb::arg("configuration"), nb::arg("model").none())
       .def_prop_ro("in_steps", &PythonBoard::in_steps)
       .def("stop", &Board::stop, Release())
       .def("url",

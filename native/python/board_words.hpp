@@ -7,12 +7,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "bindings.hpp"
 #include "device/board.hpp"
+#include "device/device.hpp"
+#include "device/rtl_device.hpp"
 
 namespace unitylink::python {
 
@@ -78,6 +81,22 @@ std::optional<std::pair<device::Clock, device::Clock>> plant_phase(PythonBoard& 
 template <class PythonBoard>
 void release_plant(PythonBoard& board, device::Clock clock, device::Clock wait) {
   board.release_plant({clock, wait});
+}
+
+// The twin, or compiled gateware.
+inline std::unique_ptr<device::ServedDevice> served_device(const device::DeviceConfiguration& configuration,
+                                                           nanobind::handle model) {
+  if (model.is_none()) {
+    return std::make_unique<device::Device>(configuration);
+  }
+  return make_rtl_device(model, configuration);
+}
+
+template <class PythonBoard>
+bool begin_anew(PythonBoard& board, nanobind::handle configuration, nanobind::handle model) {
+  auto device = served_device(configuration_of(configuration), model);
+  const GilRelease released;
+  return board.begin_anew(std::move(device));
 }
 
 }  // namespace unitylink::python

@@ -45,6 +45,7 @@ Board::~Board() {
 }
 
 void Board::set_plant(PlantHook hook) {
+  const auto lock = enter();
   plant_ = std::move(hook);
   plant_period_ = std::max<Clock>(1, static_cast<Clock>(std::llround(plant_.period_s * configuration().clock_hz)));
   plant_next_ = plant_.step ? 0 : never;
@@ -186,9 +187,11 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
     flush();
     const double time_s = static_cast<double>(plant_next_ + plant_offset_) / configuration().clock_hz;
     plant_next_ += plant_period_;
+    plant_steps_now_ = true;
     lock.unlock();
     const bool goes_on = plant_.step(time_s);
     come_back(lock);
+    plant_steps_now_ = false;
     ++statistics_.plant_steps;
     if (!goes_on) {
       plant_next_ = never;

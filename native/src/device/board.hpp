@@ -54,10 +54,13 @@ class Board : private Lockstep::Member {
   Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint);
   ~Board() override;
 
-  void set_plant(PlantHook hook);  // before start()
+  void set_plant(PlantHook hook);  // before start(), or after begin_anew()
   // With the endpoint "lockstep" it has no thread: whoever waits at a link runs it. Throws TimeConflict.
   void start();
   [[nodiscard]] bool in_steps() const noexcept { return in_steps_; }
+  // Begins again as a board that has just been made, with a device that has. The line to the client ends, and the plant
+  // makes no step until set_plant(). False: its time does not go in steps, it has stopped, or its plant is in a step.
+  bool begin_anew(std::unique_ptr<ServedDevice> device);
   // Idempotent. Waits for the thread, and so for a step of the plant, unless this step itself calls it.
   void stop();
 
@@ -155,6 +158,7 @@ class Board : private Lockstep::Member {
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
   bool in_steps_ = false;
+  bool plant_steps_now_ = false;
   std::uint64_t caught_up_ns_ = 0;  // robot time until which it has worked
   bool started_ = false;
   std::thread thread_;

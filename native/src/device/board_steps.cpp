@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A board in steps: its work is done by the thread that waits at a link (lockstep.hpp).
 #include <algorithm>
+#include <utility>
 
 #include "device/board.hpp"
 #include "device/board_time.hpp"
@@ -75,6 +76,24 @@ void Board::work(std::uint64_t until_ns) noexcept {
   if (!stop_) {  // the plant may have closed its own board
     flush();
   }
+}
+
+bool Board::begin_anew(std::unique_ptr<ServedDevice> device) {
+  const auto lock = enter();
+  if (!in_steps_ || stop_ || plant_steps_now_) {
+    return false;
+  }
+  endpoint_->dismiss();
+  forget_output();
+  device_ = std::move(device);
+  statistics_ = {};
+  plant_next_ = never;
+  plant_offset_ = 0;
+  slip_ = 0;
+  linger_until_ = 0;
+  fed_ = false;
+  start_ns_ = caught_up_ns_ = RobotTime::here().now_ns();
+  return true;
 }
 
 BusStatus Board::preset(std::uint32_t address, std::uint32_t value) {

@@ -33,7 +33,7 @@ def make(
 ) -> RobotEnvironment:
     """Return an environment of Gymnasium whose spaces come from the spec.
 
-    `url` is a link URL. A virtual board goes in steps (docs/lockstep.md), and each episode has a new one. On
+    `url` is a link URL. A virtual board goes in steps (docs/lockstep.md), and begins each episode anew. On
     hardware, steps keep the pace of `dt_s`, and `home(robot)` brings the robot to its start. `spec` is the
     file of the spec, for URLs that do not name it.
 

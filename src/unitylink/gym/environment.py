@@ -92,11 +92,9 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Numbers, dict[str, Any]]:
-        """Begin an episode. A virtual board is a new one, and a plant with `seed(number)` gets a seed."""
+        """Begin an episode. A virtual board begins anew, and a plant with `seed(number)` gets a seed."""
         super().reset(seed=seed)
-        if self._virtual or self._link is None or self._link.closed:
-            self._shut()
-            self._open(int(self.np_random.integers(1 << 31)))
+        self._begin_episode(int(self.np_random.integers(1 << 31)) if self._virtual else 0)
         if self.task.home is not None:
             self.task.home(self._robot)
         self._steps = self._clipped = self._missed = 0
@@ -197,7 +195,7 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
 
     @property
     def robot(self) -> Any:
-        """The objects of the spec, as of `load_spec_objects`. A virtual board has new ones each time."""
+        """The objects of the spec. After `restore` and a lost link they are others."""
         return self._robot
 
     def _open(self, seed: int, state: BoardState | None = None) -> None:
@@ -223,6 +221,14 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         except BaseException:
             self._shut()
             raise
+
+    def _begin_episode(self, seed: int) -> None:
+        link = self._link
+        if link is None or link.closed or self._lost is not None:
+            self._shut()
+            self._open(seed)
+        elif self._virtual:
+            link.reset(seed)
 
     def _shut(self) -> None:
         self._lost = None

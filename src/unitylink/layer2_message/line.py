@@ -23,6 +23,7 @@ class Line:
     protocol: str
     _native: NativeLink
     _callbacks: CallbackThread
+    _generations = 0  # of the sessions before a reset
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the state of the line, and counters. Nothing is sent."""
@@ -56,7 +57,7 @@ class Line:
 
         It changes after each restart of the device, and each time a lost line has come back.
         """
-        return self._native.generation
+        return self._generations + self._native.generation
 
     def serve(self, plain: list[tuple[int, int]]) -> BoardServer:
         """Return a native server for many clients on this link. Close it before the link.

@@ -18,7 +18,7 @@ from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health, checked_spec, told_notice
 from .exchange_group import ExchangeGroup, Word
-from .line import Line
+from .link_reset import LinkReset
 from .link_time import LinkTime
 from .mailbox import LoopMailbox
 from .native_link import Pairs, Words, open_link
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Link(Line, LinkTime):
+class Link(LinkReset, LinkTime):
     """A connection to one device. Every method may be called from any thread.
 
     `checked` asks for a checksum. None means the default of the link, which is the URL option `crc`. `repeat`
@@ -52,23 +52,27 @@ class Link(Line, LinkTime):
 
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device, and ask for its configuration."""
+        self.url = url
+        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, set by whoever makes it
+        self._on_close: list[Callable[[], None]] = []
+        self._remember_options(url)
+        self._begin(url)
+        self.unverified = "no spec was compared with the gateware's"
+        self._unclosed = True
+        remember(self)
+
+    def _begin(self, url: str) -> None:
         self._native = open_link(url)
         self._warned = ""
         self._warn()
-        self.url = url
-        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, set by whoever makes it
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
         self.protocol = self._native.protocol
         self.notice = told_notice(self._native, url)
         self.description = Description(**self._native.description) if self.protocol == "framed" else None
-        self.unverified = "no spec was compared with the gateware's"
         self._callbacks = CallbackThread(self._native)
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
-        self._on_close: list[Callable[[], None]] = []
-        self._unclosed = True
         self._stepped_ns = self._native.now_ns  # when the last step ended
-        remember(self)
 
     # ---- one word
 
@@ -388,16 +392,19 @@ class Link(Line, LinkTime):
         """Stop the publishing that this link started, and close the port. Waiting callers get LinkClosed."""
         forget(self)
         first, self._unclosed = self._unclosed, False
-        self._native.close()
+        self._end()
         if first:
             self._warn()
+        while self._on_close:
+            self._on_close.pop()()
+
+    def _end(self) -> None:
+        self._native.close()
         self._callbacks.stop()
         for loop, mailbox in list(self._mailboxes.items()):
             if not loop.is_closed():
                 loop.call_soon_threadsafe(mailbox.retire)
         self._mailboxes.clear()
-        while self._on_close:
-            self._on_close.pop()()
 
     def _warn(self) -> None:
         """Warn once about a problem that does not stop the link."""

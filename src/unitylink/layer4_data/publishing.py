@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -213,6 +213,7 @@ class Publisher:
                 items = list(self._items.items())
                 try:
                     for item in plan(items, fallback=fallback):
+                        item.link.call_on_reset(self._pause)
                         self._running.append(self._launch(item))
                 except BaseException:
                     failed, self._running = self._running, []
@@ -270,6 +271,13 @@ class Publisher:
             running, self._running = self._running, []
         for publication in running:
             publication.close()
+
+    def _pause(self) -> Callable[[], None]:
+        """Stop, and return what goes on afterwards."""
+        if not self._running:
+            return lambda: None
+        self.stop()
+        return lambda: self.start(fallback=self._fallback)
 
     @contextmanager
     def running(self, *, fallback: bool = False) -> Iterator[Publisher]:

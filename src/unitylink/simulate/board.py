@@ -21,6 +21,7 @@ from unitylink.values import Codec, Quantity
 from .changes import ChangeWatch
 from .components import BoardComponents
 from .plant import AnyPlant, check_plant
+from .plant_start import PlantStart
 from .plants.ramp import RampPlant
 from .plants.words import WordPlant
 from .registers import Registers
@@ -75,6 +76,8 @@ class Board:
     UnityLinkError (for the plant).
     """
 
+    _model: object | None = None  # compiled gateware, instead of the twin
+
     def __init__(
         self,
         spec: Spec | None = None,
@@ -98,15 +101,20 @@ class Board:
         self.components = BoardComponents(self._native, configuration.components)
         self.registers = Registers(self._native, configuration.data_bits, self.components)
         self._closed = False
-        if spec is not None:
-            self._power_up(spec)
         self._state = state
-        if plant is not None:
-            self._attach(plant)
+        self._again = PlantStart(plant) if plant is not None and endpoint == "lockstep" else None
+        self._begin()
         if state is not None:
             self._native.hold_plant()
         self._native.start()
         _open.add(self)
+
+    def _begin(self) -> None:
+        """Give words and plant their start."""
+        if self.spec is not None:
+            self._power_up(self.spec)
+        if self.plant is not None:
+            self._attach(self.plant)
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:
         return _native.Board(self.configuration, endpoint, bind)
@@ -182,6 +190,34 @@ class Board:
         """Let the plant of a board with a `state` make its steps, in the rhythm of the other board."""
         if self._state is not None and self._state.phase is not None:
             self._native.release_plant(*self._state.phase)
+
+    def reset(self, seed: int | None = None) -> None:
+        """Begin anew: device, components and plant are as in a board that has just been made.
+
+        It is for boards in steps, and its link ends: `Link.reset` does this with a link, and begins another
+        session. A plant with `seed(number)` gets the seed, or the one of its URL. A plant with `reset()` puts
+        itself back. Any other gets the attributes that it was given with. Then it is attached again.
+
+        Raises UnityLinkError: time passes by itself, or the plant cannot be put back.
+        """
+        self.check_resets()
+        if not self._native.begin_anew(self.configuration, self._model):
+            raise UnityLinkError("the board is closed, or its own plant wants to reset it in a step")
+        self.components.forget()
+        self._plant_error = None
+        self._state = None
+        if self._again is not None:
+            self.plant = self._again.made(seed)
+        self._begin()
+
+    def check_resets(self) -> None:
+        """Raise UnityLinkError if `reset` cannot be."""
+        if not self._native.in_steps:
+            raise UnityLinkError(
+                "a board whose time passes by itself cannot be reset; open it with time=lockstep"
+            )
+        if self._again is not None:
+            self._again.check()
 
     @property
     def url(self) -> str:

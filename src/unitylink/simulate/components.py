@@ -59,6 +59,10 @@ class BoardComponent:
             if direction in counted:
                 self._places[direction, port] = counted[direction], bits or 1
                 counted[direction] += bits or 1
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget what was put at the pins, and what was seen there: the board begins anew."""
         self._counted: set[tuple[int, int]] = set()
         self._pulses: dict[int, tuple[int, float]] = {}  # pin -> pulses and high time at the last look
         self._device: DeviceRegisters | None = None
@@ -411,6 +415,11 @@ class BoardComponents(Mapping[str, BoardComponent]):
             one.path: BoardComponent(native, number, one) for number, one in enumerate(configurations)
         }
         self._modelled = [one for one in configurations if _native.has_component_model(one.entity)]
+
+    def forget(self) -> None:
+        """Forget what is at all pins: the board begins anew."""
+        for each in self._found.values():
+            each.forget()
 
     def owns(self, address: int) -> bool:
         """Does a component set the word at `address` itself? Then a plant cannot."""

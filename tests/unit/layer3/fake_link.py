@@ -273,6 +273,9 @@ class FakeLink:
     async def write_many_async(self, addresses: Any, values: Any, **options: Any) -> None:
         self.write_many(addresses, values, **options)
 
+    def call_on_reset(self, action: Any) -> None:
+        """Nothing resets it."""
+
     def subscribe(self, addresses: Any, *, divisor: int = 0, **options: Any) -> FakeSubscription:
         if len(self.subscriptions) >= self.configuration.groups:
             raise DeviceMismatch("no publish group is free")

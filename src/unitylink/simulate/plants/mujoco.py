@@ -80,9 +80,15 @@ class MujocoPlant:
         self.period_s = self._at_once * step_s
         self.notes: tuple[str, ...] = ()
         self._begun = False
+        self._attached: tuple[int, int] | None = None
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the values of joints, actuators and sensors."""
+        if self._attached == (id(spec), id(registers)):  # the board begins anew
+            mujoco.mj_forward(self.model, self.data)
+            self._show()
+            return
+        self._attached = id(spec), id(registers)
         elements = [one for root in spec.roots for one in root.walk()] if spec else []
         names = {
             path: found for root in (spec.roots if spec else ()) for path, found in names_of(root).items()
@@ -131,6 +137,11 @@ class MujocoPlant:
         self._begun = True
         self._check(time_s)
         self._show()
+
+    def reset(self) -> None:
+        """Go back to the start of the model."""
+        mujoco.mj_resetData(self.model, self.data)
+        self._begun = False
 
     def save(self) -> object:
         """Return all that the next steps depend on."""
