@@ -14,7 +14,7 @@ int main(int count, char** arguments) {
   if (count != 4) return fprintf(stderr, "usage: loop LINK ANGLE SECONDS\n"), 2;
   if (ul_open(arguments[1], &link) != UL_OK) return fprintf(stderr, "%s\n", ul_last_error_text()), 1;
   ul_status status = joint_open(&robot, link); /* checks that the board has this spec */
-  if (status == UL_OK) status = ul_set_dead_man(link, 50000000, NULL);
+  if (status == UL_OK) status = ul_set_dead_man(link, 1000000000, NULL);
   if (status == UL_OK) status = joint_cycle_open(&robot, &cycle); /* from here on nothing is allocated */
   const double wanted = atof(arguments[2]);
   const long cycles = lround(1000 * atof(arguments[3]));

@@ -12,8 +12,8 @@ int main(int count, char** arguments) {
   if (count != 4) return std::fprintf(stderr, "usage: loop LINK ANGLE SECONDS\n"), 2;
   try {
     unitylink::Link link(arguments[1]);
-    joint::Joint robot(link);                                  // checks that the board has this spec
-    link.set_dead_man(std::chrono::milliseconds(50)).value();  // then the torque is its SAFE value
+    joint::Joint robot(link);                            // checks that the board has this spec
+    link.set_dead_man(std::chrono::seconds(1)).value();  // then the torque is its SAFE value
     auto cycle = robot.cycle();
     cycle.open().value();  // from here on nothing is allocated
     const double wanted = std::atof(arguments[2]);

@@ -31,11 +31,12 @@ static inline ul_status ul_stream_start(ul_stream* stream, uint32_t ring, ul_fai
   options.size = sizeof options;
   options.divisor = stream->divisor;
   options.on_event = stream->divisor == 0 ? 1 : 0;
-  options.verify = 1;
+  options.verify = 1; /* but not where a read takes something out */
   options.ring = ring;
   stream->link = stream->set->count > 0 ? ul_of_set(stream->objects, 0, stream->set, 0)->link : 0;
   for (uint32_t i = 0; i < stream->set->count; ++i) {
     const ul_value* value = ul_of_set(stream->objects, 0, stream->set, i);
+    if ((value->flags & UL_VALUE_READ_AGAIN) == 0) options.verify = 0;
     for (uint32_t word = 0; word < value->words; ++word) stream->room[taken++] = value->address + word;
   }
   const ul_status status =

@@ -61,7 +61,7 @@ typedef struct {
 typedef struct {
   ul_status status;
   const char* path;
-  char text[320];
+  char text[640];
 } ul_failure;
 
 /* Fills in a failure, and returns its status. */

@@ -88,6 +88,8 @@ void show_errors(const unitylink::Link& link) {
   } catch (const unitylink::Failure& failure) {
     std::printf("thrown: %d %s\n", failure.status(), failure.what());
   }
+  tell("empty queue", robot->queue.sample.read());
+  tell("queue", robot->published_on_queue_arrival.start());
   std::printf("ready\n");
   std::fflush(stdout);
   std::getchar();  // until the board is gone

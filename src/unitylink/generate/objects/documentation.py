@@ -52,3 +52,13 @@ def shown(instance: Instance) -> str:
 
 def called(item: Instance | Element) -> str:
     return f" ({item.display})" if item.display != item.path else ""
+
+
+def sentences(*texts: str) -> str:
+    """Join texts of a spec and of ours. Each one ends as a sentence does.
+
+    >>> sentences("a queue", "", "The constructor `samples`.")
+    'a queue. The constructor `samples`.'
+    """
+    told = [text.strip() for text in texts if text.strip()]
+    return " ".join(text if text[-1] in ".!?:;" else f"{text}." for text in told)

@@ -25,11 +25,13 @@ _MACROS = re.compile(
 def usable(name: str, reserved: Iterable[str] = ()) -> bool:
     """Return whether C and C++ take this as the name of a member, and nothing else has it.
 
-    >>> usable("cpos"), usable("class"), usable("EOF"), usable("__x"), usable("a__b")
-    (True, False, False, False, False)
+    Names that begin with `ul_` are those of the library.
+
+    >>> usable("cpos"), usable("class"), usable("EOF"), usable("__x"), usable("a__b"), usable("ul_x")
+    (True, False, False, False, False, False)
     """
     taken = name in KEYWORDS or name in set(reserved) or _MACROS.fullmatch(name) is not None
-    return not (taken or name.startswith("_") or "__" in name or name[:1].isdigit() or not name)
+    return not (taken or name.startswith(("_", "ul_")) or "__" in name or name[:1].isdigit() or not name)
 
 
 def members(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
@@ -62,7 +64,7 @@ class Names:
         'j_2'
         """
         plain = re.sub(r"_+", "_", re.sub(r"\W", "_", name, flags=re.ASCII)).strip("_") or "n"
-        plain = f"n{plain}" if plain[0].isdigit() else plain
+        plain = f"n{plain}" if plain[0].isdigit() or plain.startswith("ul_") else plain
         plain = plain if usable(plain) else f"{plain}_"
         endings = tuple(endings)
         free, number = plain, 1

@@ -11,7 +11,7 @@ from unitylink.values import Quantity
 
 from ..quoting import Cpp, file_name
 from .documentation import places as said_places
-from .documentation import shown, value_facts
+from .documentation import sentences, shown, value_facts
 from .facts import RobotFacts
 from .names import Names, members
 from .place import Place
@@ -148,8 +148,8 @@ class _Planner:
             sets.append(self.sets.of_node(claimed, place, listed, sampled=sampled))
         groups = tuple(self._group(kind, place, names[group.name], group) for group in instance.groups)
         where = said_places([f"`{one.instance.path or one.instance.name}`" for one in kind.places])
-        said = f"{instance.documentation} The constructor `{instance.constructor}`, expanded as {where}."
-        remark = Cpp.remark(said.strip())
+        said = f"The constructor `{instance.constructor}`, expanded as {where}."
+        remark = Cpp.remark(sentences(instance.documentation, said))
         plan = ClassPlan(kind.name, remark, tuple(values), tuple(parts), groups, sets[0], sets[1])
         self.finished[kind.name] = plan
         return plan
@@ -159,7 +159,7 @@ class _Planner:
         place, element = kind.places[0], elements[0]
         quantity = Quantity.of(element)
         everywhere = [one for one in here if isinstance(one, Element)]
-        said = f"{element.documentation} {value_facts(element, quantity, everywhere)}"
+        said = sentences(element.documentation, value_facts(element, quantity, everywhere))
         return ValuePlan(
             name,
             self.style.within(kind.name, name, _VALUE) if self.style.plain else "",
@@ -167,7 +167,7 @@ class _Planner:
             self.types.of(quantity, place.facts.width(element)),
             tuple(place.positions[one.path] for one in elements),
             len(elements) if element.array else 0,
-            Cpp.remark(said.strip()),
+            Cpp.remark(said),
         )
 
     def _part_plans(
@@ -184,10 +184,10 @@ class _Planner:
                 for i, (part, plan) in enumerate(zip(own, planned, strict=True))
             ]
         for called, which, plan, count in rows:
-            said = f"{which[0].documentation} {said_places([shown(part) for part in which])}."
+            said = sentences(which[0].documentation, said_places([shown(part) for part in which]))
             paths = tuple(Cpp.text(part.path) for part in which)
             firsts = tuple(place.firsts[part.path] for part in which)
-            yield PartPlan(called, plan.name, firsts, paths, count, Cpp.remark(said.strip()))
+            yield PartPlan(called, plan.name, firsts, paths, count, Cpp.remark(said))
 
     def _group(self, kind: _Kind, place: Place, name: str, group: Group) -> GroupPlan:
         stem = self.style.within(kind.name, name, _PART)
@@ -198,8 +198,8 @@ class _Planner:
             made = self.sets.flat(claimed, place, named, sampled=sampled, reserved=self._reserved())
             sets.append(made)
         listed = said_places([path for path, _ in pairs])
-        said = f"{group.documentation} {len(pairs)} words together: {listed}."
-        return GroupPlan(name, stem, Cpp.text(group.path), sets[0], sets[1], Cpp.remark(said.strip()))
+        said = sentences(group.documentation, f"{len(pairs)} words together: {listed}")
+        return GroupPlan(name, stem, Cpp.text(group.path), sets[0], sets[1], Cpp.remark(said))
 
     def _robot(self, root: Instance, plan: ClassPlan) -> RobotPlan:
         facts = self.facts[root.name]

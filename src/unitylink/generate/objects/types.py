@@ -10,6 +10,7 @@ from unitylink.spec.types import EnumType, ValueType
 from unitylink.values import Codec, Quantity, field_names
 
 from ..quoting import Cpp
+from .documentation import sentences
 from .facts import field_value, kind_of, member_numbers
 from .names import members
 from .plan import BitsPlan, EnumMember, EnumPlan, FieldPlan, TypeName
@@ -99,7 +100,7 @@ class Types:
             EnumMember(names[item.name], item.value, Cpp.remark(item.documentation)) for item in enum.values
         ]
         other = "; other numbers stay numbers" if enum.open else ""
-        said = f"{enum.documentation} The enumeration `{enum.name}` of {enum.width} bits{other}."
+        said = sentences(enum.documentation, f"The enumeration `{enum.name}` of {enum.width} bits{other}.")
         bits = whole_bits(enum.width)
         return EnumPlan(
             name,
@@ -107,7 +108,7 @@ class Types:
             f"{name}_get",
             f"{name}_put",
             f"{name}{'_numbers' if style.plain else 'Numbers'}",
-            Cpp.remark(said.strip()),
+            Cpp.remark(said),
             tuple(rows),
             member_numbers(enum),
         )
@@ -121,12 +122,10 @@ class Types:
         for one in bits.fields:
             quantity, width = Quantity.of(one), one.high - one.low + 1
             unit = f", in {one.unit}" if one.unit else ""
-            said = f"{one.documentation} Bits {one.high} to {one.low}{unit}."
-            fields.append(
-                FieldPlan(spelled[one.name], self.of(quantity, width), one.low, Cpp.remark(said.strip()))
-            )
+            said = sentences(one.documentation, f"Bits {one.high} to {one.low}{unit}.")
+            fields.append(FieldPlan(spelled[one.name], self.of(quantity, width), one.low, Cpp.remark(said)))
             facts.append(field_value(f"{bits.name}.{one.name}", one, self.table_of(one.type)))
-        said = f"{bits.documentation} The packed value `{bits.name}` of {bits.width} bits."
+        said = sentences(bits.documentation, f"The packed value `{bits.name}` of {bits.width} bits.")
         return BitsPlan(
-            name, f"{name}_get", f"{name}_put", table, Cpp.remark(said.strip()), tuple(fields), tuple(facts)
+            name, f"{name}_get", f"{name}_put", table, Cpp.remark(said), tuple(fields), tuple(facts)
         )
