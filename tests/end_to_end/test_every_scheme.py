@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -85,6 +86,25 @@ def test_a_board_behind_a_server(stack: ExitStack, spec: Path, tmp_path: Path) -
     check(converse(lambda: f"{told['urls']['plain']}?timeout=2", spec, tmp_path))
     server.send_signal(signal.SIGTERM)
     assert server.wait(20) == 0
+
+
+def test_a_robot_on_a_zenoh_network(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        router = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    program = [sys.executable, "-m", "unitylink", "bridge", "zenoh", f"sim:{spec}", "--key", "lab/arm1"]
+    bridge = stack.enter_context(
+        subprocess.Popen(
+            [*program, "--listen", router], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+    )
+    stack.callback(bridge.terminate)
+    assert bridge.stdout is not None
+    assert bridge.stdout.readline().endswith(f" is lab/arm1 on Zenoh, at {router}\n")
+    refused = {"doctor": "not a port", "term": "has no bytes, only registers"}
+    url = f"zenoh:lab/arm1?connect={router}&timeout=2"
+    check(converse(lambda: url, spec, tmp_path, own_spec=True, refused=refused))
+    bridge.send_signal(signal.SIGTERM)
+    assert bridge.wait(20) == 0
 
 
 def test_a_descriptor(stack: ExitStack, spec: Path, tmp_path: Path) -> None:

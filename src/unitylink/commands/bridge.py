@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink bridge`: a robot on ROS topics, with nothing generated."""
+"""`unitylink bridge`: a robot on ROS topics or on a Zenoh network, with nothing generated."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from .bridge_zenoh import ZenohOptions, run_zenoh, zenoh_options
 from .failure import Failure
 from .link_option import link_argument, load_names, spec_option
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("ros", type=click.Choice(["ros1", "ros2"]))
+@click.argument("network", type=click.Choice(["ros1", "ros2", "zenoh"]))
 @link_argument
 @click.argument("spec_argument", metavar="[SPEC]", required=False)
 @spec_option
@@ -31,8 +32,9 @@ if TYPE_CHECKING:
     help="Write the safe values after S seconds without a command. 0 is never.",
 )
 @click.option("--disarmed", is_flag=True, help="Take no commands before the service arm is called.")
+@zenoh_options
 def command(
-    ros: str,
+    network: str,
     *,
     link: str,
     spec_argument: str | None,
@@ -41,8 +43,9 @@ def command(
     namespace: str | None,
     command_timeout: float,
     disarmed: bool,
+    **zenoh: Any,
 ) -> None:
-    """Put a robot on ROS topics until Ctrl-C, with nothing generated.
+    """Put a robot on ROS topics or on a Zenoh network until Ctrl-C, with nothing generated.
 
     All messages are standard ones, which every tool of ROS knows: a std_msgs scalar for each value that is
     published or written, and sensor_msgs/JointState for joints. `unitylink generate SPEC --only ros1` or
@@ -50,15 +53,37 @@ def command(
 
     `ros2` needs no ROS on this machine: it speaks DDS, and ROS 2 sees it. `ros1` needs rospy and a master.
 
+    `zenoh` lets every machine of a Zenoh network use the robot as if it were its own: LINK is then
+    zenoh:NAME there. Its options are --key, --connect, --listen, --zenoh-config, --anyone, --may and --audit.
+    The others are for ROS.
+
     \b
     Examples:
       unitylink bridge ros2 "serial:/dev/ttyUSB0?baud=3000000" --spec arm.ul
       unitylink bridge ros1 tcp://192.168.1.20:5555 --spec arm.ul --namespace left
       unitylink bridge ros2 "sim:arm.ul?plant=ramp"
+      unitylink bridge zenoh serial:/dev/ttyUSB0 arm.ul --key lab/arm1
+      unitylink bridge zenoh tcp://192.168.1.20:5555 arm.ul --key lab/arm2 --connect tcp/10.0.0.7:7447
+      unitylink watch zenoh:lab/arm1
     """
     if spec_argument is not None and spec_file is not None:
         raise click.UsageError(f"the spec is given twice: {spec_argument} and --spec {spec_file}")
-    spec, name = _spec(link, spec_file or spec_argument, root)
+    spec, name, file = _spec(link, spec_file or spec_argument, root)
+    options = ZenohOptions(**zenoh)
+    if network == "zenoh":
+        for option, given in (
+            ("namespace", namespace),
+            ("command-timeout", command_timeout),
+            ("disarmed", disarmed),
+        ):
+            if given:
+                raise click.UsageError(
+                    f"--{option} is for ROS; a set-point on Zenoh has a time to live of its own"
+                )
+        options.check()
+        click.get_current_context().exit(run_zenoh(link, spec.only(name), file, options))
+    if options.given:
+        raise click.UsageError(f"{options.given[0]} is for Zenoh; leave it out")
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
     from unitylink.ros import plan_interface
@@ -75,7 +100,7 @@ def command(
     from unitylink.ros.parameters import Parameters
 
     parameters = Parameters(link, command_timeout, armed=not disarmed)
-    if ros == "ros1":
+    if network == "ros1":
         from unitylink.ros.ros1 import run
 
         code = run(interface, build, connect, parameters, namespace=space, services=False)
@@ -86,11 +111,11 @@ def command(
     click.get_current_context().exit(code)
 
 
-def _spec(link: str, spec_file: str | None, root: str | None) -> tuple[Spec, str]:
-    spec = load_names(link, spec_file).spec
-    if spec is None:
+def _spec(link: str, spec_file: str | None, root: str | None) -> tuple[Spec, str, str]:
+    names = load_names(link, spec_file)
+    if names.spec is None:
         raise click.UsageError("the names on the topics come from a spec: add --spec FILE.ul")
     try:
-        return spec, spec.root(root).name
+        return names.spec, names.spec.root(root).name, names.source
     except KeyError as error:
         raise Failure(str(error.args[0]), "choose one with --root") from None

@@ -54,6 +54,11 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
             f"{link} is a virtual board",
             "the doctor is for real ports; `unitylink info` asks a virtual board",
         )
+    if scheme_of(link).open is not None:
+        raise Failure(
+            f"{link} is a robot on a network, not a port",
+            "run the doctor where its board is; see `info`, too",
+        )
     if not scheme_of(link).stream:
         raise Failure(f"{link} is memory of this machine, not a port", "`unitylink info` looks at it")
     if scheme_of(link).once:

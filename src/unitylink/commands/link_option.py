@@ -52,7 +52,7 @@ spec_option = click.option(
     "--spec",
     "spec_file",
     metavar="FILE",
-    help="The spec that gives the names. A sim:, rtl: or bit: link brings its own.",
+    help="The spec that gives the names. A sim:, rtl:, bit: or zenoh: link brings its own.",
 )
 
 
@@ -99,6 +99,11 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
     ):
         raise click.UsageError(f"a sim:, rtl: or bit: link brings its own spec; leave --spec {spec_file} out")
     file = spec_file if spec_file is not None else simulated
+    if file is None and link is not None and link.startswith("zenoh:"):
+        from unitylink.zenoh.link import spec_of
+
+        spec, path = spec_of(link)
+        return Names(spec, str(path))
     if file is None:
         return Names(None)
     if not file:

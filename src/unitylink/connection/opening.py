@@ -37,6 +37,7 @@ def connect(
         connect("mmap:/dev/uio0?size=4096")                    # registers that are memory here
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
+        connect("zenoh:lab/arm1")                              # a robot on a Zenoh network (docs/zenoh.md)
 
     The link speaks the framed protocol if the device knows it. If the device answers eight classic questions
     and no HELLO, it falls back to the classic protocol (`link.protocol`, and `link.notice`, which is logged).
@@ -79,6 +80,8 @@ def connect(
         url = _with(url, "time", time, _TIME)
     if state is not None and not scheme.virtual:
         raise UrlError(f"link URL {url!r}: a state is for virtual boards; hardware has its own")
+    if scheme.open is not None:
+        return scheme.open(url)
     if scheme.make is None:
         return Link(url)
     device, driver_url = scheme.make(url) if state is None else _restored(url, state)
@@ -113,6 +116,8 @@ def check_link(url: str) -> None:
         from unitylink.simulate.simulated import check_simulated
 
         check_simulated(url)
+    elif (check := scheme_of(url).check) is not None:
+        check(url)
     else:
         check_url(url)
 

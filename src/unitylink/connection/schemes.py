@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from unitylink import _native
 from unitylink.errors import UrlError
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
 
 
 class Device(Protocol):
@@ -29,7 +32,8 @@ class Scheme:
     `make` returns what the URL names, and the URL under which the native core reaches that. With None, the
     core opens the URL itself. `virtual` means that the URL names a spec, and that there is no port and no
     hardware. `stream` means that the device takes a stream of bytes. Otherwise layer 2 reaches the registers
-    itself, without a protocol. `once` means that it cannot be opened a second time.
+    itself, without a protocol. `once` means that it cannot be opened a second time. `open` returns the whole
+    link, for a scheme that the native core has no part in. Such a link comes back by itself.
     """
 
     name: str
@@ -39,6 +43,8 @@ class Scheme:
     virtual: bool = False
     stream: bool = True
     once: bool = False
+    open: Callable[[str], Link] | None = None
+    check: Callable[[str], object] | None = None
 
     @property
     def lasting(self) -> bool:
@@ -46,13 +52,25 @@ class Scheme:
 
         It does not for a virtual board, which is never unplugged.
         """
-        return self.stream and not self.once and not self.virtual
+        return self.stream and not self.once and not self.virtual and self.open is None
 
 
 def _simulated(url: str) -> tuple[Device, str]:
     from unitylink.simulate import simulated_board  # imported here, because it loads the twin and the plants
 
     return simulated_board(url)
+
+
+def _far(url: str) -> Link:
+    from unitylink.zenoh.link import ZenohLink  # imported here, because few programs need it
+
+    return ZenohLink(url)
+
+
+def _check_far(url: str) -> object:
+    from unitylink.zenoh.far_options import read_far_url
+
+    return read_far_url(url)
 
 
 SCHEMES = {
@@ -62,6 +80,14 @@ SCHEMES = {
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
         Scheme("bit", "bit:SPEC.ul?board=NAME", "the same, but the bitstream for a board", _simulated, True),
+        Scheme(
+            "zenoh",
+            "zenoh:lab/arm1",
+            "a robot on a Zenoh network, behind `unitylink bridge zenoh`",
+            stream=False,
+            open=_far,
+            check=_check_far,
+        ),
     )
 }
 

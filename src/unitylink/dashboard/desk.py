@@ -18,7 +18,7 @@ from unitylink.values import format_value
 from .description import as_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 T = TypeVar("T")
 MOST = 1000  # items of one write
@@ -78,15 +78,25 @@ class Desk:
             raise ValueRangeError(f"{path}: no value has come yet, so the flags to clear are not known")
         self._do(client, {path: format_value(seen)}, lambda: flags.clear(seen))
 
-    def _do(self, client: Client, values: Mapping[str, Any], send: Callable[[], None]) -> None:
+    def act(self, client: Client, paths: Iterable[str], send: Callable[[], T]) -> T:
+        """Call `send` while nobody else writes, if this client may write the items. Return its result.
+
+        Raises AccessRefused, LeaseHeld, or what `send` raises.
+        """
         with self._board_lock:
             with self.gate() as gate:
                 moment = now()
-                for path in values:
+                for path in paths:
                     gate.check_write(client, path, moment)
+            return send()
+
+    def _do(self, client: Client, values: Mapping[str, Any], send: Callable[[], None]) -> None:
+        def send_and_note() -> None:
             send()
             with self.gate() as gate:
                 gate.wrote(client, dict(values), now())
+
+        self.act(client, values, send_and_note)
 
     def stop(self, client: Client) -> int:
         """Write all SAFE values now, end all leases, and refuse writes until `arm`. Return how many values.

@@ -28,6 +28,8 @@ from .subscription import Subscription
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from unitylink._native import NativeLink
+
 
 class Link(LinkReset, LinkTime):
     """A connection to one device. Every method may be called from any thread.
@@ -62,7 +64,7 @@ class Link(LinkReset, LinkTime):
         remember(self)
 
     def _begin(self, url: str) -> None:
-        self._native = open_link(url)
+        self._native = self._opened(url)
         self._warned = ""
         self._warn()
         told = self._native.configuration
@@ -73,6 +75,10 @@ class Link(LinkReset, LinkTime):
         self._callbacks = CallbackThread(self._native)
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._stepped_ns = self._native.now_ns  # when the last step ended
+
+    def _opened(self, url: str) -> NativeLink:
+        """Open what does the work. A link that the native core does not open has another."""
+        return open_link(url)
 
     # ---- one word
 

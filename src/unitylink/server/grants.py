@@ -86,11 +86,12 @@ def plain_words(spec: Spec) -> Ranges:
 def _commits(elements: Iterable[Element]) -> Iterable[int]:
     """Yield the words that tell the state of a committed memory, and commit what was written to it."""
     for link in {element.link for element in elements}:
-        if (word := _commit(link)) is not None:
+        if (word := commit_of(link)) is not None:
             yield word
 
 
-def _commit(link: LinkBinding) -> int | None:
+def commit_of(link: LinkBinding) -> int | None:
+    """Return the word that tells the state of a committed memory, and commits what was written to it."""
     if link.kind == "tosnet":
         return link.base + TOSNET_STATUS
     return link.base + link.size if link.kind == "double_buffer" else None

@@ -29,7 +29,7 @@ def test_the_native_core_knows_the_schemes_that_the_table_leaves_to_it() -> None
     with pytest.raises(UrlError) as raised:
         Driver("none:")
     for name, scheme in SCHEMES.items():
-        assert (f"{name}:" in str(raised.value)) == (scheme.make is None)
+        assert (f"{name}:" in str(raised.value)) == (scheme.make is None and scheme.open is None)
     with pytest.raises(UrlError, match="has no bytes, only registers"):
         Driver("mmap:/dev/uio0")
 

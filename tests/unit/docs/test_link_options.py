@@ -10,6 +10,7 @@ import pytest
 
 from unitylink import connect
 from unitylink.errors import UrlError
+from unitylink.zenoh.far_options import OPTIONS
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 PAGE = (DOCS / "command-line.md").read_text("utf-8")
@@ -18,10 +19,11 @@ PAGES = PAGE + "".join((DOCS / name).read_text("utf-8") for name in LINKED)
 
 
 def known() -> set[str]:
+    """Return the options of the native core, and those of `zenoh:`."""
     with pytest.raises(UrlError, match="no option 'nonsense'") as caught:
         connect("tcp://127.0.0.1:1?nonsense=1")
     listed = re.sub(r" \([\w, ]+\)", "", str(caught.value).partition("known are ")[2])
-    return set(re.split(r", | and ", listed))
+    return set(re.split(r", | and ", listed)) | set(OPTIONS)
 
 
 def test_every_option_has_its_place_in_the_pages() -> None:

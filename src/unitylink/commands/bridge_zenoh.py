@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink bridge zenoh`: the options, and the bridge between a board and a Zenoh network."""
+
+from __future__ import annotations
+
+import re
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from unitylink.dashboard.place import is_loopback
+
+from .failure import Failure
+
+if TYPE_CHECKING:
+    from unitylink.server.scopes import Rights
+    from unitylink.spec.model import Spec
+    from unitylink.zenoh.session import Network
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_LOCATOR = re.compile(r"[a-z_]+/(?:\[(?P<six>[^\]]+)\]|(?P<host>[^:/?#]+)):(?P<port>\d+)(?P<rest>[?#].*)?")
+_LOOK_S = 0.2
+_OPTIONS = (
+    click.option(
+        "--key", metavar="NAME", help="Of the robot on Zenoh: lab/arm1. By default unitylink/ROBOT."
+    ),
+    click.option("--connect", metavar="LOCATOR", help="The router of the network: tcp/10.0.0.7:7447."),
+    click.option("--listen", metavar="LOCATOR", help="Be the router of the network: tcp/127.0.0.1:7447."),
+    click.option("--zenoh-config", metavar="FILE", help="A configuration of Zenoh, for TLS for example."),
+    click.option("--anyone", is_flag=True, help="Listen where other machines reach it."),
+    click.option(
+        "--may",
+        multiple=True,
+        metavar="SCOPE",
+        help="What clients on Zenoh may do: read, 'write j1.*', arm. Without it, all of that.",
+    ),
+    click.option("--audit", "audit_file", metavar="FILE", help="Add a line for each lease and refusal."),
+)
+
+
+def zenoh_options(command: F) -> F:
+    """Give a command the options that are the fields of `ZenohOptions`."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class ZenohOptions:
+    """What was asked for. `check` raises an error if it cannot be. It opens nothing."""
+
+    key: str | None
+    connect: str | None
+    listen: str | None
+    zenoh_config: str | None
+    anyone: bool
+    may: Sequence[str]
+    audit_file: str | None
+
+    @property
+    def given(self) -> list[str]:
+        """The options that were given."""
+        named = {"zenoh_config": "--zenoh-config", "audit_file": "--audit"}
+        return [named.get(name, f"--{name}") for name, value in vars(self).items() if value]
+
+    def check(self) -> None:
+        """Raises UsageError for a place that is none, or that others would reach."""
+        if sum(one is not None for one in (self.connect, self.listen, self.zenoh_config)) > 1:
+            raise click.UsageError("--connect, --listen and --zenoh-config: one of them says where")
+        if self.listen is not None:
+            host, port = self._place(self.listen)
+            if port == 0:
+                raise click.UsageError(f"--listen {self.listen}: give the port that clients connect to")
+            if not is_loopback(host) and not self.anyone:
+                raise click.UsageError(
+                    f"--listen {self.listen}: other machines could reach the robot, and what goes there is "
+                    "not encrypted; if you want that, add --anyone, or say it with TLS in a --zenoh-config"
+                )
+        self.rights()
+
+    def rights(self) -> Rights:
+        """Return what all clients may do."""
+        from unitylink.errors import UnityLinkError
+        from unitylink.server.scopes import Rights
+
+        try:
+            return Rights.of(self.may or ["write", "arm"])
+        except UnityLinkError as error:
+            raise click.UsageError(f"--may: {error}") from None
+
+    def networks(self) -> list[tuple[Network, Network]]:
+        """Return ways onto the network, to be tried in turn: for requests, and for publishes.
+
+        Without an option, the first bridge of a machine is its router.
+        """
+        from unitylink.zenoh.session import ROUTER, Network
+
+        if self.zenoh_config is not None:
+            same = Network(config=self.zenoh_config)
+            return [(same, same)]
+        if self.connect is not None:
+            same = Network(connect=self.connect)
+            return [(same, same)]
+        ways = []
+        listen = self.listen or ROUTER
+        inside = listen.replace("/0.0.0.0:", "/127.0.0.1:").replace("/[::]:", "/[::1]:")
+        ways.append((Network(listen=listen), Network(connect=inside)))
+        if self.listen is None:
+            ways.append((Network(connect=ROUTER), Network(connect=ROUTER)))
+        return ways
+
+    def _place(self, locator: str) -> tuple[str, int]:
+        match = _LOCATOR.fullmatch(locator)
+        if match is None:
+            raise click.UsageError(f"{locator} is no place of Zenoh; it looks like tcp/127.0.0.1:7447")
+        return match["six"] or match["host"], int(match["port"])
+
+
+def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
+    """Serve the robot until a signal, or until something ends it. Return the exit code."""
+    from unitylink.errors import LinkNotFound
+    from unitylink.program import stopped_by_signals
+    from unitylink.server.audit import Audit
+    from unitylink.server.log_file import LogFile, check_writable
+    from unitylink.server.robot import Robot
+    from unitylink.server.scopes import Rights
+    from unitylink.server.serving import Server
+    from unitylink.server.tokens import Tokens, User, digest, new_token
+    from unitylink.zenoh.bridge.bridge import Bridge
+    from unitylink.zenoh.keys import Keys
+    from unitylink.zenoh.spec_files import pack_spec
+
+    root = spec.roots[0].name
+    keys = Keys(options.key or f"unitylink/{root}")
+    if options.audit_file is not None:
+        check_writable(options.audit_file, "--audit")
+    token, reading = new_token(), new_token()
+    users = [(token, User("zenoh", options.rights())), (reading, User("publishes", Rights.of(["read"])))]
+    tokens = Tokens([(digest(one), user) for one, user in users])
+    with stopped_by_signals() as stop, ExitStack() as stack:
+        log = LogFile(options.audit_file, "--audit") if options.audit_file else None
+        if log is not None:
+            stack.callback(log.close)
+        audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
+        robot = Robot(root, link, spec, tokens, audit)
+        server = stack.enter_context(Server([robot], tokens, audit, "127.0.0.1", 0))
+        secret = stack.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))
+        secret.write(reading)
+        secret.flush()
+        reads = f"serve://{server.place}/{root}?token_file={secret.name}"
+        ways = options.networks()
+        for number, (network, publishing) in enumerate(ways, 1):
+            try:
+                opened = Bridge(
+                    robot, keys, network, publishing, pack_spec(file, root), token=token, reads=reads
+                )
+            except LinkNotFound:
+                if number == len(ways):
+                    raise
+                continue
+            break
+        bridge = stack.enter_context(opened)
+        _announce(spec, keys.name, publishing.connect or publishing.config, robot.url)
+        while not stop.wait(_LOOK_S) and not bridge.ended.is_set():
+            pass
+        trouble = bridge.trouble
+    if trouble:
+        raise Failure(trouble, "give each robot a --key of its own")
+    return 0
+
+
+def _announce(spec: Spec, name: str, where: str, link: str) -> None:
+    from unitylink.zenoh.session import ROUTER
+
+    way = "" if where == ROUTER else f"?connect={where}"
+    click.echo(f"{link} is {name} on Zenoh, at {where}")
+    first = next((path for path, element in spec.walk() if element.access == "READ"), None)
+    if first is not None:
+        click.echo(f'try:  unitylink read "zenoh:{name}{way}" {first}')
+    click.echo("Ctrl-C ends it")
+    sys.stdout.flush()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Errors on the wire: the name of the error, the text, and the address. No I/O."""
+
+from __future__ import annotations
+
+import json
+
+from unitylink import errors
+from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
+
+_NAMES = (
+    *("LinkTimeout", "OutcomeUnknown", "LinkClosed", "LinkDown", "LinkBusy", "BusError", "ProtocolError"),
+    *("AccessRefused", "LeaseHeld", "DeadManTripped", "DeviceMismatch", "NetworkError", "UnexpectedValue"),
+)
+_KINDS: dict[str, type[LinkError]] = {name: getattr(errors, name) for name in _NAMES}
+_TEXT_MAX = 500
+
+
+def encode_failure(error: UnityLinkError) -> bytes:
+    """Return the bytes that tell an error.
+
+    >>> encode_failure(ValueRangeError("j1.goal: NaN"))
+    b'{"error":"ValueRangeError","text":"j1.goal: NaN"}'
+    """
+    kind = next((one.__name__ for one in type(error).__mro__ if one.__name__ in _KINDS), "UnityLinkError")
+    told: dict[str, object] = {"error": "ValueRangeError" if isinstance(error, ValueRangeError) else kind}
+    told["text"] = str(error)[:_TEXT_MAX]
+    address = getattr(error, "address", None)
+    if address is not None:
+        told["address"] = address
+    return json.dumps(told, separators=(",", ":")).encode()
+
+
+def decode_failure(data: bytes) -> UnityLinkError:
+    """Return the error that these bytes tell. Bytes that are no error are one, too.
+
+    >>> decode_failure(b'{"error":"LeaseHeld","text":"ana holds j1"}')
+    LeaseHeld('ana holds j1')
+    >>> decode_failure(b"Timeout")
+    ProtocolError('an answer that is no error: Timeout')
+    """
+    try:
+        told = json.loads(data[:4096])
+        kind, text, address = str(told["error"]), str(told["text"])[:_TEXT_MAX], told.get("address")
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        shown = data[:80].decode("utf-8", "replace")
+        return errors.ProtocolError(f"an answer that is no error: {shown}")
+    if kind == "ValueRangeError":
+        return ValueRangeError(text)
+    return _KINDS.get(kind, LinkError)(text, address=address if isinstance(address, int) else None)

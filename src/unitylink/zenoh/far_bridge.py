@@ -1,0 +1,382 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A bridge, as a client sees it: greeted, asked, and asked again until it answers or the time is over."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import secrets
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import (
+    DeviceMismatch,
+    LinkClosed,
+    LinkDown,
+    LinkNotFound,
+    LinkTimeout,
+    OutcomeUnknown,
+    ProtocolError,
+    UnityLinkError,
+    ValueRangeError,
+)
+
+from .failures import decode_failure
+from .far_clock import FarClock
+from .messages import CLOCK, DO, LEAVE, ONCE, Answer, Operation, Request, decode_answer
+
+if TYPE_CHECKING:
+    import zenoh
+
+    from .far_options import FarOptions
+
+_LOOK_S = 1.0  # how long to look for the board
+_CLOCK_S = 2.0  # how often its clock is asked
+_PAUSE_S = 0.02  # before a bridge is asked again that was not there
+
+
+class FarBridge:
+    """The bridge of one robot. It is greeted again when it, or its board, comes back.
+
+    `changed(kind, text)` is told of `lost` and `back`. Raises LinkNotFound if nobody serves the name, and
+    DeviceMismatch if two bridges do.
+    """
+
+    def __init__(self, options: FarOptions, changed: Callable[[str, str], None]) -> None:
+        self.options, self.keys = options, options.keys
+        self.session: zenoh.Session = options.network.opened()
+        self.clock = FarClock()
+        self.configuration: dict[str, Any] = {}
+        self.hash = ""
+        self.bridge, self.visit = "", 0
+        self.generation = 0
+        self.trouble, self.closed = "", False
+        self.counts = dict.fromkeys(("requests", "replies", "retries", "timeouts"), 0)
+        self._changed = changed
+        self._lock = threading.Lock()  # guards the requests that are open, and the greeting
+        self._last = 0
+        self._open: set[int] = set()
+        self._boards: set[str] = set()  # whose tokens are there
+        self._look = threading.Condition()
+        self._token: zenoh.LivelinessToken | None = None
+        self._answered_generation = 0
+        try:
+            self._watch = self.session.liveliness().declare_subscriber(
+                self.keys.board("*"), self._heard_board
+            )
+            self._greet()
+        except BaseException:
+            self.session.close()
+            raise
+        self._keeper = threading.Thread(target=self._keep, name="zenoh client", daemon=True)
+        self._keeper.start()
+
+    def close(self, why: str = "the link is closed") -> None:
+        """Say goodbye, so that the outputs keep their values, and close the session."""
+        with self._look:
+            if self.closed:
+                return
+            self.closed = True
+            self._look.notify_all()
+        if not self.trouble:
+            with contextlib.suppress(UnityLinkError):
+                self._ask(LEAVE, attempts=1)
+        self.trouble = self.trouble or why
+        if threading.current_thread() is not self._keeper:
+            self._keeper.join()
+        with contextlib.suppress(Exception):
+            self.session.close()
+
+    def check(self) -> None:
+        """Raises LinkClosed after the end, and LinkDown while the board is gone."""
+        if self.closed:
+            raise LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
+        if self.trouble:
+            raise LinkDown(f"{self.options.url}: {self.trouble}")
+
+    # ---- requests
+
+    def ask(
+        self,
+        kind: int = DO,
+        operations: Sequence[Operation] = (),
+        *,
+        flags: int = 0,
+        argument: int = 0,
+        detail: int = 0,
+        timeout_s: float | None = None,
+    ) -> tuple[int, ...]:
+        """Ask, and return the words of the answer.
+
+        Raises LinkTimeout, or OutcomeUnknown if the request must not be repeated, or the error of the bridge.
+        """
+        self.check()
+        return self._ask(
+            kind, operations, flags=flags, argument=argument, detail=detail, timeout_s=timeout_s
+        ).words
+
+    def _ask(
+        self,
+        kind: int,
+        operations: Sequence[Operation] = (),
+        *,
+        flags: int = 0,
+        argument: int = 0,
+        detail: int = 0,
+        timeout_s: float | None = None,
+        attempts: int | None = None,
+    ) -> Answer:
+        each_s = self.options.timeout_s if timeout_s is None else timeout_s
+        attempts = attempts or self.options.attempts
+        began_ns = time.monotonic_ns()
+        with self._lock:
+            self._last += 1
+            number = self._last
+            self._open.add(number)
+            settled = min(self._open)
+            key, visit = self.keys.request(self.bridge), self.visit
+        deadline_ns = self.clock.deadline(began_ns, int(each_s * attempts * 1e9))
+        request = Request(
+            kind, visit, number, settled, deadline_ns, flags, argument, detail, tuple(operations)
+        )
+        try:
+            return self._attempts(key, request, each_s, attempts, began_ns)
+        finally:
+            with self._lock:
+                self._open.discard(number)
+
+    def _attempts(self, key: str, request: Request, each_s: float, attempts: int, began_ns: int) -> Answer:
+        try:
+            data = request.encode()
+        except Exception:  # struct.error: a number that no word holds
+            raise ValueRangeError("an address or a value is no number of 32 bits; nothing was sent") from None
+        sent = 0  # copies that may have reached the bridge
+        until_ns = began_ns + int(each_s * attempts * 1e9)
+        self.counts["requests"] += 1
+        while (left_ns := until_ns - time.monotonic_ns()) > 0:
+            self.counts["retries"] += sent > 0
+            answer = self.once(key, data, min(each_s, left_ns / 1e9))
+            if isinstance(answer, bytes):
+                self.counts["replies"] += 1
+                return self._checked(decode_answer(answer), request)
+            if answer is not None:
+                if isinstance(answer, LinkDown) and sent and request.once:
+                    break  # an earlier copy may have been executed, for a visit that has ended
+                raise answer
+            reached = self._last_reached
+            sent += reached
+            if not reached:
+                if self.trouble and not self.closed:
+                    break
+                time.sleep(_PAUSE_S)
+        elapsed_s = (time.monotonic_ns() - began_ns) / 1e9
+        self.counts["timeouts"] += 1
+        facts: dict[str, Any] = {"attempts": sent, "elapsed_s": elapsed_s}
+        if request.operations:
+            facts["address"] = request.operations[0][1]
+        if not sent:
+            raise LinkDown(f"{self.options.url}: no bridge is there; nothing was executed", **facts)
+        if request.once:
+            raise OutcomeUnknown(
+                f"{self.options.url}: no answer to {sent} copies of a request; it was executed once or never",
+                **facts,
+            )
+        raise LinkTimeout(f"{self.options.url}: no answer after {elapsed_s:.2g} s", **facts)
+
+    def once(
+        self, key: str, data: bytes, timeout_s: float, *, urgent: bool = False
+    ) -> bytes | UnityLinkError | None:
+        """Ask once. Return the answer, the error that was answered, or None if there was no answer."""
+        import zenoh
+
+        self._here.reached = False
+        try:
+            replies = self.session.get(
+                key,
+                payload=data,
+                timeout=timeout_s,
+                priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.INTERACTIVE_HIGH,
+                express=True,
+            )
+            for reply in replies:
+                if reply.ok is not None:
+                    return bytes(reply.ok.payload.to_bytes())
+                told = reply.err.payload.to_bytes() if reply.err is not None else b""
+                self._here.reached = True
+                if told[:1] == b"{":
+                    return decode_failure(told)
+        except zenoh.ZError as error:
+            if self.closed:
+                return LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
+            return LinkDown(f"{self.options.url}: {error}")
+        return None
+
+    _here = threading.local()
+
+    @property
+    def _last_reached(self) -> bool:
+        """Whether somebody was there to whom the last copy of this thread went."""
+        return bool(getattr(self._here, "reached", False))
+
+    def _checked(self, answer: Answer, request: Request) -> Answer:
+        if answer.id != request.id:
+            raise ProtocolError(f"an answer to the request {answer.id} instead of {request.id}")
+        if request.kind != LEAVE and answer.generation != self._answered_generation:
+            self.generation += self._answered_generation != 0
+            self._answered_generation = answer.generation
+        return answer
+
+    # ---- the greeting
+
+    def _greet(self) -> None:
+        """Find the one bridge whose board is there, and say hello to it."""
+        boards = self._look_for_boards()
+        with self._look:
+            self._boards = set(boards)
+        if len(boards) > 1:
+            raise DeviceMismatch(
+                f"{len(boards)} robots have the name {self.keys.name} on this network; stop one bridge"
+            )
+        name = secrets.token_hex(8)
+        token = self.session.liveliness().declare_token(self.keys.client(name))
+        hello = json.dumps({"client": name}).encode()
+        asked_ns = time.monotonic_ns()
+        answer = self.once(self.keys.fixed("hello"), hello, _LOOK_S)
+        heard_ns = time.monotonic_ns()
+        try:
+            if not isinstance(answer, bytes):
+                raise answer or LinkTimeout(f"{self.options.url}: the bridge does not say hello")
+            told = _read_hello(answer)
+            if told["bridge"] not in boards:
+                raise DeviceMismatch(f"two bridges have the name {self.keys.name} on this network")
+            self._check_hash(told["hash"])
+        except BaseException:
+            token.undeclare()
+            raise
+        old, self._token = self._token, token
+        with self._lock:
+            self.clock = FarClock()
+            self.clock.learn(asked_ns, told["now_ns"], heard_ns)
+            self.visit, self.bridge, self.hash = told["visit"], told["bridge"], told["hash"]
+            self.configuration = told["configuration"]
+        if old is not None:
+            old.undeclare()
+
+    def _look_for_boards(self) -> set[str]:
+        until_s = time.monotonic() + _LOOK_S
+        while True:
+            boards = self._tokens()
+            if boards:
+                return boards
+            if time.monotonic() > until_s:
+                raise LinkNotFound(
+                    f"{self.options.url}: no board of this name is on the network; is `unitylink bridge` "
+                    "running there, and does its board answer?"
+                )
+            time.sleep(_PAUSE_S)
+
+    def _tokens(self) -> set[str]:
+        found = self.session.liveliness().get(self.keys.board("*"), timeout=_LOOK_S)
+        return {str(one.ok.key_expr).rpartition("/")[2] for one in found if one.ok is not None}
+
+    def _check_hash(self, told: str) -> None:
+        wanted = self.options.spec_hash
+        for one, whose in ((self.hash, "before"), (wanted if wanted != "any" else "", "in the URL")):
+            if one and one != told and wanted != "any":
+                raise DeviceMismatch(
+                    f"{self.options.url}: the robot has the spec {told}; {whose} it was {one}"
+                )
+
+    def _heard_board(self, sample: zenoh.Sample) -> None:
+        import zenoh
+
+        board = str(sample.key_expr).rpartition("/")[2]
+        with self._look:
+            (self._boards.add if sample.kind == zenoh.SampleKind.PUT else self._boards.discard)(board)
+            self._look.notify_all()
+
+    def _keep(self) -> None:
+        """Follow the tokens of boards, and the clock of the bridge."""
+        greeted = True
+        while not self.closed:
+            with self._look:
+                boards = set(self._boards)
+            if boards == {self.bridge} and greeted:
+                if self.trouble:  # another robot of the name has gone
+                    self._tell("")
+                if not self._learn_clock():
+                    found = self._tokens()  # a token that went unnoticed
+                    with self._look:
+                        self._boards = found
+            elif len(boards) > 1:
+                self._tell(f"{len(boards)} robots have the name {self.keys.name} on this network")
+            elif not boards:
+                greeted = False
+                self._tell("the board, its bridge or the way to it is gone")
+            else:
+                greeted = self._greet_again()
+            with self._look:
+                if boards == self._boards and not self.closed:
+                    self._look.wait(_CLOCK_S if greeted else _PAUSE_S * 5)
+
+    def _greet_again(self) -> bool:
+        self._tell("the board is back, and is being greeted")
+        try:
+            self._greet()
+        except DeviceMismatch as error:
+            self._tell(str(error))
+            self.closed = True
+            self._changed("ended", str(error))
+            return False
+        except UnityLinkError as error:
+            self._tell(str(error))
+            return False
+        self.generation += 1
+        self._tell("")
+        return True
+
+    def _tell(self, trouble: str) -> None:
+        before, self.trouble = self.trouble, trouble
+        if bool(before) == bool(trouble):
+            return
+        if trouble and not self.options.reconnect:
+            self.closed = True
+            self._changed("ended", trouble)
+        else:
+            self._changed("lost" if trouble else "back", trouble or "the board is back")
+
+    def _learn_clock(self) -> bool:
+        asked_ns = time.monotonic_ns()
+        answer = self.once(self.keys.fixed("clock"), b"", _LOOK_S)
+        heard_ns = time.monotonic_ns()
+        if isinstance(answer, bytes) and len(answer) == CLOCK.size:
+            bridge, told_ns = CLOCK.unpack(answer)
+            if bridge == int(self.bridge, 16):
+                self.clock.learn(asked_ns, told_ns, heard_ns)
+                return True
+        return False
+
+
+def _read_hello(data: bytes) -> dict[str, Any]:
+    """Return what a bridge answers to a hello. Raises ProtocolError if it is no such answer."""
+    try:
+        told = json.loads(data)
+        return {
+            "visit": int(told["visit"]),
+            "bridge": f"{int(told['bridge'], 16):016x}",
+            "now_ns": int(told["now_ns"]),
+            "hash": str(told["hash"]),
+            "configuration": {str(name): int(value) for name, value in told["configuration"].items()},
+        }
+    except (ValueError, TypeError, KeyError, AttributeError):
+        raise ProtocolError("the bridge answers a hello with something else") from None
+
+
+def flags_of(checked: bool | None, once: bool, atomic: bool) -> int:
+    """Return the flags of a request."""
+    from .messages import ATOMIC, CHECKED, UNCHECKED
+
+    told = {None: 0, True: CHECKED, False: UNCHECKED}[checked]
+    return told | (ONCE if once else 0) | (ATOMIC if atomic else 0)
