@@ -13,6 +13,7 @@ import pytest
 from unitylink.errors import BindingError
 from unitylink.generate import generate
 from unitylink.generate.objects.names import usable
+from unitylink.interface.wire_hash import wire_hashes
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
 
@@ -145,3 +146,16 @@ def test_texts_of_initial_and_safe_values() -> None:
     assert "initial 0.5, safe 0" in text
     plain = header(load(TYPED), "c")[1]
     assert "  outputs->target = 0.5;" in plain and "  outputs->j[2].target = 0.5;" in plain
+
+
+def test_the_spec_is_hashed_once_for_each_link(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hash reads all of the spec, so one for each value would take hours for a large spec."""
+    asked: list[str | None] = []
+
+    def counted(spec: Spec, root: str, *comms: str | None) -> tuple[int, ...]:
+        asked.extend(comms)
+        return wire_hashes(spec, root, *comms)
+
+    monkeypatch.setattr("unitylink.generate.objects.facts.wire_hashes", counted)
+    generate(load(ROOT / "examples" / "scara" / "scara.ul"), "cpp")
+    assert asked == ["comm"]

@@ -56,6 +56,7 @@ class RobotFacts:
         self._keys: dict[str, int] = {}
         self._bits: dict[int, int] = {}
         self._address_bits: dict[int, int] = {}
+        self._told: dict[str | None, tuple[int, ...]] = {}  # wire hashes behind each COMM
         self._hashes: dict[int, dict[int, None]] = {}
         self._outputs: dict[LinkBinding, list[int]] = {}
         self._slots: dict[str, int] = {}
@@ -66,7 +67,8 @@ class RobotFacts:
     def _look_at(self, element: Element) -> None:
         binding = element.link
         bits = self.data_bits(element)
-        hashes = wire_hashes(self.spec, self.root.name, binding.comm)
+        if binding.comm not in self._told:
+            self._told[binding.comm] = wire_hashes(self.spec, self.root.name, binding.comm)
         committed = binding.kind in _COMMITTED
         last = binding.base + binding.words if committed else element.address + element.words
         for name in (binding.comm, binding.ctrl) if binding.ctrl else (binding.comm,):
@@ -74,7 +76,7 @@ class RobotFacts:
             self._bits.setdefault(place, bits)
             top = max(self._address_bits.get(place, 1), (last - 1).bit_length())
             self._address_bits[place] = top
-            self._hashes.setdefault(place, {}).update(dict.fromkeys(hashes))
+            self._hashes.setdefault(place, {}).update(dict.fromkeys(self._told[binding.comm]))
         if committed and element.access in ("PULSE", "W1C"):
             raise BindingError(
                 f"{element.path} is a {element.access}, but {binding.kind} writes all words again at each "
