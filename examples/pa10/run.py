@@ -12,6 +12,7 @@ exit code is 1 if an arm did not get home or the hands did not stay together.
 from __future__ import annotations
 
 import argparse
+import importlib.util
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from unitylink.spec import load
 from unitylink.spec.model import Spec
 
 HERE = Path(__file__).resolve().parent
+MODEL = HERE / "pa10.xml"
 PERIOD_S = 0.02  # time from one set-point to the next
 SETTLE_S = 2.0
 COUNT = 0.0001  # rad for each count of pa10.ul
@@ -147,12 +149,28 @@ def tell(run: Run) -> bool:
     return bool(final_mrad < 5 and gap_mm.min() > 80 and gap_mm.max() < 120)
 
 
+def has_mujoco() -> bool:
+    return importlib.util.find_spec("mujoco") is not None
+
+
+def told(link: Link) -> str:
+    """Say what moves behind a link."""
+    plant = type(getattr(link.board, "plant", None)).__name__
+    return {
+        "MujocoPlant": f"in MuJoCo, with the masses of {MODEL.name}",
+        "Plant": "joints without masses" + ("" if has_mujoco() else " (MuJoCo is not installed)"),
+    }.get(plant, "hardware")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--spec", type=Path, default=Path("pa10_pair.ul"), metavar="FILE", help="which spec")
     for side in SIDES:
         parser.add_argument(f"--{side}", metavar="URL", help=f"board of the {side} arm (a virtual one)")
     parser.add_argument("--rtl", action="store_true", help="the virtual boards are the VHDL, compiled")
+    parser.add_argument(
+        "--simple", action="store_true", help="move without MuJoCo, also where it is installed"
+    )
     parser.add_argument("--pace", type=float, default=1.0, metavar="X", help="2 is twice as fast")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the motion there")
     options = parser.parse_args()
@@ -161,10 +179,11 @@ def main() -> int:
     urls = {}
     for side in SIDES:
         one = f"&root={side}_arm" if len(spec.roots) == 2 else ""
-        virtual = f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}{one}&timeout=1"
+        plant = HERE / "plant.py" if options.simple or not one or not has_mujoco() else f"mujoco:{MODEL}"
+        virtual = f"{'rtl' if options.rtl else 'sim'}:{file}?plant={plant}{one}&timeout=1"
         urls[side] = getattr(options, side) or virtual
     with connect(urls["left"]) as left, connect(urls["right"]) as right:
-        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; moving:")
+        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; {told(left)}; moving:")
         run = drive(Pair(spec, {"left": left, "right": right}), options.pace)
     there = tell(run)
     if options.picture:

@@ -194,6 +194,8 @@ def test_a_battery_sags_empties_and_switches_off() -> None:
     assert battery.without("motor") == pytest.approx(3 * 3.84)
     battery.take("motor", 60.0, 0.001)
     assert battery.volts == battery.current_a == 0 and not battery.is_on  # its protection
+    with pytest.raises(ValueRangeError, match="amps is nan"):
+        battery.take("motor", math.nan, 0.001)
     empty = Battery(1, 100, 0)
     empty.take("lamp", 1.0, 3600.0)
     assert empty.charge == 0 and not empty.is_on

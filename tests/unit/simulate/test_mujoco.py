@@ -238,3 +238,48 @@ def test_sensors_of_several_numbers_are_read_by_part(tmp_path: Path) -> None:
         assert box["way[2]"].read() == pytest.approx(0.1, abs=2e-3)
         notes = link.board.plant.notes
     assert "imu.gyro_z is left out: it has deg, and the sensor gyro.z measures rad/s" in notes
+
+
+ROBOTS = Path(__file__).parents[3] / "examples"
+
+
+def test_a_speed_limits_how_fast_a_position_moves_and_zero_holds_it() -> None:
+    """The PA10 that comes along: its limits are SAFE=0, so the dead-man holds it where it is."""
+    model = ROBOTS / "pa10" / "pa10.xml"
+    url = f"sim:{ROBOTS / 'pa10' / 'pa10_pair.ul'}?plant=mujoco:{model}&root=left_arm&deadman=0.05"
+    with connect(url, time="lockstep") as link:
+        arm: Any = load_spec_objects(link.board.spec, link)
+        assert link.board.plant.notes == ()
+        arm["arm.j[3].target"].write(1.0)
+        link.step(0.2)
+        assert arm["arm.j[3].pos"].read() == pytest.approx(0.0, abs=1e-3)
+        arm["arm.j[3].limit"].write(2.0)
+        link.step(0.3)
+        assert arm["arm.j[3].speed"].read() == pytest.approx(2.0, rel=0.02)
+        assert arm["arm.j[3].pos"].read() == pytest.approx(0.6, abs=0.06)
+        link.trip()
+        link.step(0.2)
+        held = arm["arm.j[3].pos"].read()
+        link.step(0.5)
+        assert held == pytest.approx(0.6, abs=0.06)
+        assert arm["arm.j[3].pos"].read() == pytest.approx(held, abs=1e-3)
+        link.reset()
+        assert arm["arm.j[3].pos"].read() == 0.0
+        arm["arm.j[3].limit"].write(2.0)
+        arm["arm.j[3].target"].write(1.0)
+        link.step(0.7)
+        assert arm["arm.j[3].pos"].read() == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_scara_that_comes_along_moves_all_its_joints() -> None:
+    folder = ROBOTS / "dashboard"
+    with connect(f"sim:{folder / 'arm.ul'}?plant=mujoco:{folder / 'arm.xml'}", time="lockstep") as link:
+        arm: Any = load_spec_objects(link.board.spec, link)
+        assert link.board.plant.notes == ()
+        goals = {"j1": 90.0, "j2": -45.0, "j3": 100.0, "j4": 200.0}
+        for name, goal in goals.items():
+            arm[f"{name}.spd_sp"].write(300.0)
+            arm[f"{name}.pos_sp"].write(goal)
+        link.step(1.5)
+        for name, goal in goals.items():
+            assert arm[f"{name}.cpos"].read() == pytest.approx(goal, abs=0.1), name

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Real
 
 from unitylink.errors import ValueRangeError
 
@@ -40,7 +41,7 @@ def check_whole(owner: str, name: str, value: int, *, least: int = 1, remedy: st
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _refused(owner: str, name: str, value: object, wanted: str, remedy: str) -> ValueRangeError:

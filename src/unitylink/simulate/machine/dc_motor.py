@@ -97,10 +97,10 @@ class DcMotor:
         """
         what = f"motor {self.data.name}"
         if volts is not None:
-            check_number(what, "volts", volts, remedy="look at what the plant computes")
-        check_number(what, "seconds", seconds, least=0.0)
-        check_number(what, "series_ohm", series_ohm, least=0.0)
-        check_number(what, "supply_v", supply_v, least=0.0)
+            volts = check_number(what, "volts", volts, remedy="look at what the plant computes")
+        seconds = check_number(what, "seconds", seconds, least=0.0)
+        series_ohm = check_number(what, "series_ohm", series_ohm, least=0.0)
+        supply_v = check_number(what, "supply_v", supply_v, least=0.0)
         check_number(what, "load_nm", self.load_nm, remedy="look at what the plant computes")
         circuit = Circuit(volts, self.data.resistance_ohm + series_ohm, supply_v)
         if not self._gap:

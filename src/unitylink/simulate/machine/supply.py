@@ -42,6 +42,7 @@ class Supply:
 
     def take(self, consumer: object, amps: float, seconds: float) -> None:
         """Tell what a consumer took in the last `seconds`. A negative current flows back."""
+        check_number("supply", "amps", amps, remedy="look at what the plant computes")
         self._taken[id(consumer)] = amps if self.is_on else 0.0
 
     def take_always(self, amps: float) -> None:

@@ -51,7 +51,7 @@ class _Place:
     """A number of the model that a value may have: what it is called, its unit, and where it is."""
 
     name: str
-    what: str  # "position", "velocity", "effort" or "sensor", or "actuator" for what is commanded
+    what: str  # "position", "velocity", "effort" or "sensor"; "actuator" or "limit" for what is commanded
     unit: str | None  # None: any
     index: int
 
@@ -85,8 +85,7 @@ class MujocoPlant:
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the values of joints, actuators and sensors."""
         if self._attached == (id(spec), id(registers)):  # the board begins anew
-            mujoco.mj_forward(self.model, self.data)
-            self._show()
+            self._start()
             return
         self._attached = id(spec), id(registers)
         elements = [one for root in spec.roots for one in root.walk()] if spec else []
@@ -108,8 +107,14 @@ class MujocoPlant:
         self.notes = tuple(notes)
         for note in notes:
             _log.warning("plant mujoco:%s: %s", self._file, note)
-        self._set_points = SiWords([(one, factor) for one, _, factor in moved], registers)
-        self._controls = np.array([place.index for _, place, _ in moved], dtype=np.intp)
+        driven = [one for one in moved if one[1].what == "actuator"]
+        self._set_points = SiWords([(one, factor) for one, _, factor in driven], registers)
+        self._controls = np.array([place.index for _, place, _ in driven], dtype=np.intp)
+        limits = {place.index: (one, factor) for one, place, factor in moved if place.what == "limit"}
+        # of the set-points that have one, in their order
+        self._limited = np.array([place.index in limits for _, place, _ in driven], dtype=np.bool_)
+        ordered = [limits[place.index] for _, place, _ in driven if place.index in limits]
+        self._limits = SiWords(ordered, registers) if ordered else None
         self._sensors = SiWords([(one, factor) for one, _, factor in seen], registers)
         self._numbers = np.zeros(len(seen))
         data = self.data
@@ -126,12 +131,23 @@ class MujocoPlant:
                 self._rows.append(
                     (row, np.array(where), np.array([seen[number][1].index for number in where]))
                 )
+        self._start()
+
+    def _start(self) -> None:
+        """Stand still where the model begins."""
+        joints = self.model.actuator_trnid[self._controls[self._limited], 0]
+        self.data.ctrl[self._controls[self._limited]] = self.data.qpos[self.model.jnt_qposadr[joints]]
         mujoco.mj_forward(self.model, self.data)
         self._show()
 
     def step(self, time_s: float) -> None:
         """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
-        self.data.ctrl[self._controls] = self._set_points.read()
+        wanted = self._set_points.read()
+        if self._limits is not None:
+            now = self.data.ctrl[self._controls[self._limited]]
+            most = np.abs(self._limits.read()) * self.period_s
+            wanted[self._limited] = now + np.clip(wanted[self._limited] - now, -most, most)
+        self.data.ctrl[self._controls] = wanted
         if self._begun:  # the first step is in the moment of the reset, so nothing has moved yet
             mujoco.mj_step(self.model, self.data, self._at_once)
         self._begun = True
@@ -193,8 +209,9 @@ class MujocoPlant:
                     yield _Place(f"{name}{part}", "sensor", fits, first + index)
 
     def _actuators(self) -> Iterator[_Place]:
-        """Yield what may be commanded. It is called as the actuator, or as its joint."""
-        model = self.model
+        """Yield what may be commanded, and how fast a position may. It is called as the actuator, or as its
+        joint."""
+        model, limits = self.model, list[_Place]()
         for number in range(model.nu):
             joint, units = None, None
             if int(model.actuator_trntype[number]) == int(mujoco.mjtTrn.mjTRN_JOINT):
@@ -205,6 +222,9 @@ class MujocoPlant:
             own = model.actuator(number).name
             for name in dict.fromkeys((own, model.joint(joint).name if joint is not None else own)):
                 yield _Place(name, "actuator", fits, number)
+                if units and kind == "position":
+                    limits.append(_Place(name, "limit", units["velocity"], number))
+        yield from limits  # behind the others: a velocity belongs to a motor that wants one
 
     def _kind_of(self, number: int) -> str | None:
         """Return what an actuator wants: "position", "velocity" or "effort". None: something else."""
