@@ -5,16 +5,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-import queue
-import re
 import secrets
 import threading
 import time
 from typing import TYPE_CHECKING, Any
 
 from unitylink.connection import connect
-from unitylink.dashboard.desk import now
-from unitylink.errors import AccessRefused, LinkBusy, LinkDown, ProtocolError, UnityLinkError
+from unitylink.errors import LinkBusy, LinkDown, UnityLinkError
 from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import CONTROL_ARM
 
@@ -22,19 +19,20 @@ from ..messages import CLOCK
 from ..schema import fields_of, schema_of, set_layouts
 from .executor import Executor
 from .groups import Groups
-from .queries import Queries, Refused, payload_of, reason_of
+from .guests import Guests
+from .queries import Queries
 from .refusals import Refusals
 from .requests import Requests
 from .set_points import SetPoints
+from .stops import Stops
 from .topics import Topics, layouts_of
 from .values import Values
-from .visits import Visit, Visits
+from .visits import Visit
 
 if TYPE_CHECKING:
     import zenoh
 
     from unitylink.layer2_message import Link
-    from unitylink.server.gate import Client
     from unitylink.server.robot import Robot
 
     from ..keys import Keys
@@ -42,7 +40,6 @@ if TYPE_CHECKING:
 
 LOOK_S = 0.2  # how often the board is asked whether it is there
 _OTHERS_S = 0.5  # how long other bridges have to say that they are there
-_NAME = re.compile(r"[A-Za-z0-9_-]{1,40}")
 _FIRST_S = 5.0
 
 
@@ -72,17 +69,15 @@ class Bridge:
         self.ended = threading.Event()
         self.refusals = Refusals()
         self.hash = f"{wire_hash(robot.spec):016x}"
-        self._token, self._reads, self._spec_text = token, reads, spec_text
+        self._reads, self._spec_text = reads, spec_text
         self._reader: Link | None = None  # of the publishes
-        self._lock = threading.Lock()  # guards the visits
-        self._visits = Visits()
+        self._guests = Guests(robot, keys, token, bridge=self.id, spec_hash=self.hash)
+        self._guests.ended = self._let_go
         self._executor = Executor(robot)
         self._served: tuple[SetPoints, Topics] | None = None
         self._schema: dict[str, Any] = {}
         self._alive: zenoh.LivelinessToken | None = None
-        self._leases: dict[str, zenoh.LivelinessToken] = {}
         self._at: Link | None = None
-        self._stops: queue.Queue[bool] = queue.Queue(1)
         with contextlib.ExitStack() as stack:
             self._session: zenoh.Session = stack.enter_context(network.opened())
             self._out: zenoh.Session = stack.enter_context(publishing.opened())
@@ -90,11 +85,11 @@ class Bridge:
             self._groups = Groups(self._reading, self._words_publisher)
             self._requests = Requests(
                 self._executor,
-                self._visits,
-                self._lock,
+                self._guests.visits,
+                self._guests.lock,
                 self._groups,
                 refusals=self.refusals,
-                leave=self._leave,
+                leave=self._guests.leave,
             )
             self._begin(stack)
             self._closing = stack.pop_all()
@@ -113,9 +108,9 @@ class Bridge:
     def state(self) -> dict[str, Any]:
         """Return who is there, what was refused, and how the board is, as plain values."""
         report = self.robot.report()
-        with self._lock:
+        with self._guests.lock:
             clients = [
-                {"name": one.name, "requests_again": one.ledger.repeated} for one in self._visits.all()
+                {"name": one.name, "requests_again": one.ledger.repeated} for one in self._guests.visits.all()
             ]
         return {
             "name": self.keys.name,
@@ -148,7 +143,7 @@ class Bridge:
         stack.callback(token.undeclare)
         for key, heard in (
             (self.keys.bridge("*"), self._heard_bridge),
-            (self.keys.client("*"), self._heard_client),
+            (self.keys.client("*"), self._guests.heard),
         ):
             stack.callback(session.liveliness().declare_subscriber(key, heard, history=True).undeclare)
         texts = {
@@ -160,15 +155,12 @@ class Bridge:
         answers: dict[str, Any] = {
             fixed(name): self._teller(fixed(name), text) for name, text in texts.items()
         }
-        answers[fixed("hello")] = self._hello
+        answers[fixed("hello")] = self._guests.hello
         stack.callback(Queries(session, answers, self.refusals, threads=2).close)
         stack.callback(Queries(session, {fixed("clock"): self._clock}, self.refusals).close)
         do = {self.keys.request(self.id): self._requests.answer}
         stack.callback(Queries(session, do, self.refusals, threads=4).close)
-        stack.callback(Queries(session, {fixed("stop"): self._stop_query}, self.refusals).close)
-        stack.callback(session.declare_subscriber(fixed("stop"), self._stop_put).undeclare)
-        self._stopper = threading.Thread(target=self._work_stops, name="zenoh stop", daemon=True)
-        self._stopper.start()
+        stack.callback(Stops(session, fixed("stop"), self._executor, self._guests, self.refusals).close)
         self._governor = threading.Thread(
             target=self._govern, args=(stack,), name="zenoh bridge", daemon=True
         )
@@ -177,16 +169,11 @@ class Bridge:
     def _end(self) -> None:
         self.ended.set()
         self._governor.join()
-        self._stops.put(False)
-        self._stopper.join()
         self._alive_is(False)
         if self._served is not None:
             self._served[0].close()
         self._end_groups()
-        with self._lock:
-            visits = self._visits.all()
-        for visit in visits:
-            self._leave(visit)
+        self._guests.leave_all()
 
     def _serve_items(self, link: Link) -> None:
         """Begin with what needs the width of the board's words."""
@@ -201,13 +188,13 @@ class Bridge:
             keys.fixed("set"),
             layouts,
             self._executor,
-            visits=self._visits,
-            lock=self._lock,
+            visits=self._guests.visits,
+            lock=self._guests.lock,
             refusals=self.refusals,
         )
         publishers = {name: self._out.declare_publisher(keys.publish(name)) for name in topics}
         self._served = points, Topics(spec, fields, publishers, self._groups)
-        reader = self._enter("zenoh")
+        reader = self._guests.enter("zenoh")
         values = Values(
             {keys.value(path): one for path, one in fields.items()}, self._executor, self._requests, reader
         )
@@ -232,7 +219,7 @@ class Bridge:
                     self.ended.set()
                     return
             self._alive_is(link is not None)
-            self._look_at_visits()
+            self._guests.look(self._session)
             if link is not None and self._served is not None:
                 self._served[1].look()
             self.ended.wait(LOOK_S)
@@ -275,30 +262,6 @@ class Bridge:
 
     # ---- who is there
 
-    def _look_at_visits(self) -> None:
-        with self._lock:
-            late = self._visits.absent(time.monotonic_ns())
-            present = [one for one in self._visits.all() if one.present]
-        for visit in late:
-            self._gone(visit, "its token was never there")
-        with contextlib.suppress(UnityLinkError):
-            _, gate, lock = self.robot.share()
-            held: dict[str, str] = {}
-            with lock:
-                for visit in present:
-                    with contextlib.suppress(AccessRefused):
-                        gate.renew(visit.client, now())
-                names = {one.client.number: one.name for one in present}
-                for lease in gate.leases.all():
-                    held[self.keys.lease(lease.part, names.get(lease.client, "other"))] = lease.part
-            self._show_leases(set(held))
-
-    def _show_leases(self, held: set[str]) -> None:
-        for key in held - set(self._leases):
-            self._leases[key] = self._session.liveliness().declare_token(key)
-        for key in set(self._leases) - held:
-            self._leases.pop(key).undeclare()
-
     def _heard_bridge(self, sample: zenoh.Sample) -> None:
         import zenoh
 
@@ -307,39 +270,7 @@ class Bridge:
             self.trouble = f"another bridge serves {self.keys.name}, too ({other}); this one ends"
             self.ended.set()
 
-    def _heard_client(self, sample: zenoh.Sample) -> None:
-        import zenoh
-
-        name = str(sample.key_expr).rpartition("/")[2]
-        with self._lock:
-            ended = self._visits.token(name, sample.kind == zenoh.SampleKind.PUT)
-        for visit in ended:
-            self._gone(visit, "its token is gone")
-
-    def _enter(self, where: str) -> Client:
-        _, gate, lock = self.robot.share()
-        with lock:
-            return gate.login(self._token, where, now())
-
-    def _leave(self, visit: Visit) -> None:
-        """A client goes in order. Its outputs keep their values."""
-        self._let_go(visit)
-        with contextlib.suppress(UnityLinkError):
-            _, gate, lock = self.robot.share()
-            with lock:
-                gate.logout(visit.client, now())
-
-    def _gone(self, visit: Visit, why: str) -> None:
-        """A client is gone without a word. Its parts become safe, by the thread of the robot."""
-        self._let_go(visit)
-        with contextlib.suppress(UnityLinkError):
-            _, gate, lock = self.robot.share()
-            with lock:
-                gate.gone(visit.client, now(), why)
-
     def _let_go(self, visit: Visit) -> None:
-        with self._lock:
-            self._visits.remove(visit.number)
         if self._served is not None:
             self._served[0].forget(visit.number)
         for group in tuple(visit.groups):
@@ -360,63 +291,3 @@ class Bridge:
 
     def _clock(self, query: zenoh.Query) -> None:
         query.reply(self.keys.fixed("clock"), CLOCK.pack(int(self.id, 16), time.monotonic_ns()))
-
-    def _hello(self, query: zenoh.Query) -> None:
-        if "*" in str(query.key_expr):
-            raise Refused("wildcard", ProtocolError("a hello is for one robot"))
-        try:
-            told = json.loads(payload_of(query)[:4096])
-            name, spec_hash = str(told["client"]), str(told.get("hash", ""))
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            raise ProtocolError('a hello is JSON: {"client": NAME, "hash": HASH OF THE SPEC}') from None
-        if not _NAME.fullmatch(name):
-            raise ProtocolError("the name of a client has 1 to 40 letters, digits, `_` or `-`")
-        if spec_hash and spec_hash != self.hash:
-            text = f"{self.keys.name} has the spec {self.hash}, and {name} was made from {spec_hash}"
-            raise Refused("spec", LinkBusy(text))
-        link, _, _ = self.robot.share()
-        client = self._enter(f"zenoh client {name}")
-        with self._lock:
-            taken = any(one.name == name for one in self._visits.all())
-            visit = None if taken else self._visits.add(name, client, time.monotonic_ns())
-        if visit is None:
-            raise Refused("access", AccessRefused(f"a client of the name {name} is there already"))
-        configuration = {**vars(link.configuration)}
-        query.reply(
-            self.keys.fixed("hello"),
-            json.dumps(
-                {
-                    "visit": visit.number,
-                    "bridge": self.id,
-                    "now_ns": time.monotonic_ns(),
-                    "hash": self.hash,
-                    "may": str(client.user.rights),
-                    "configuration": configuration,
-                }
-            ),
-        )
-
-    # ---- the stop, which waits for nothing else
-
-    def _stop_query(self, query: zenoh.Query) -> None:
-        query.reply(self.keys.fixed("stop"), json.dumps({"outputs": self._stop()}))
-
-    def _stop_put(self, _: zenoh.Sample) -> None:
-        with contextlib.suppress(queue.Full):  # another stop is about to begin
-            self._stops.put_nowait(True)
-
-    def _work_stops(self) -> None:
-        while self._stops.get():
-            try:
-                self._stop()
-            except UnityLinkError as error:
-                self.refusals.add(reason_of(error), f"stop: {error}")
-
-    def _stop(self) -> int:
-        client = self._enter("zenoh stop")
-        try:
-            return self._executor.stop(client)
-        finally:
-            _, gate, lock = self.robot.share()
-            with lock:
-                gate.logout(client, now())
