@@ -150,6 +150,9 @@ def with_one_of_two_rings(board: Board) -> list[tuple[str, int | None]]:
                 link.write(joint * 64 + 5, 7)
             committed(link)
             until(lambda: all(link.read(joint * 64) == 100 + ring for joint in JOINTS))
+            if isinstance(board, RtlBoard):  # the second ring goes round the other way; the twin does not
+                ids = [link.read(protocol.TOSNET_NETWORK_REGISTERS + place) & 15 for place in range(1, 5)]
+                assert ids == list(JOINTS if ring else reversed(JOINTS))
             assert all(board.registers[joint * 64 + 5] == 7 for joint in JOINTS)
             board.set_ring(ring, True)
             expect(2 * ring + 2)
