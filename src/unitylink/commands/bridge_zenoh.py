@@ -6,23 +6,23 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 from unitylink.dashboard.place import is_loopback
 
 from .failure import Failure
+from .several_options import Command, with_options
 
 if TYPE_CHECKING:
     from unitylink.server.scopes import Rights
     from unitylink.spec.model import Spec
     from unitylink.zenoh.session import Network
 
-F = TypeVar("F", bound=Callable[..., Any])
 
 _LOCATOR = re.compile(r"[a-z_]+/(?:\[(?P<six>[^\]]+)\]|(?P<host>[^:/?#]+)):(?P<port>\d+)(?P<rest>[?#].*)?")
 _LOOK_S = 0.2
@@ -44,11 +44,9 @@ _OPTIONS = (
 )
 
 
-def zenoh_options(command: F) -> F:
+def zenoh_options(command: Command) -> Command:
     """Give a command the options that are the fields of `ZenohOptions`."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return with_options(command, _OPTIONS)
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 from .failure import Failure
+from .several_options import Command, with_options
 
 if TYPE_CHECKING:
     from unitylink.dashboard.extras import Extras
     from unitylink.spec.model import Instance
 
-F = TypeVar("F", bound=Callable[..., Any])
 
 _OPTIONS = (
     click.option(
@@ -45,11 +44,9 @@ _OPTIONS = (
 )
 
 
-def page_options(command: F) -> F:
+def page_options(command: Command) -> Command:
     """Give a command the options of a page."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return with_options(command, _OPTIONS)
 
 
 def page_extras(

@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 from unitylink.dashboard.place import is_loopback
 from unitylink.program import stopped_by_signals
 
+from .several_options import Command, with_options
+
 if TYPE_CHECKING:
     from unitylink.simulate import Board
 
-F = TypeVar("F", bound=Callable[..., Any])
 
 _LOOPBACK = "127.0.0.1"
 _TICK_S = 0.2  # s between two checks whether the board still runs
@@ -37,11 +38,9 @@ _OPTIONS = (
 )
 
 
-def serving_options(command: F) -> F:
+def serving_options(command: Command) -> Command:
     """Give a command `--tcp --udp --pty --bind --anyone`: the arguments of `endpoint_of`."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return with_options(command, _OPTIONS)
 
 
 def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] = lambda: None) -> None:

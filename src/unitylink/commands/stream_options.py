@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,6 +14,7 @@ from unitylink.dashboard.place import Place, is_loopback, read_place
 from unitylink.errors import UnityLinkError
 
 from .serving import place_of
+from .several_options import Command, with_options
 from .tls_options import exposed
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from unitylink.streams.mqtt.broker import Broker
     from unitylink.streams.source import Stream
 
-F = TypeVar("F", bound=Callable[..., Any])
 
 _OPTIONS = (
     click.option(
@@ -47,11 +47,9 @@ _OPTIONS = (
 TOOLS = ("foxglove", "mqtt", "plotjuggler")
 
 
-def stream_options(command: F) -> F:
+def stream_options(command: Command) -> Command:
     """Give a command the options that are the fields of `StreamOptions`."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return with_options(command, _OPTIONS)
 
 
 @dataclass(frozen=True)

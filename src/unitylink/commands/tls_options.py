@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
+
+from .several_options import Command, with_options
 
 if TYPE_CHECKING:
     from unitylink.server.tls_files import TlsFiles
 
-F = TypeVar("F", bound=Callable[..., Any])
 
 _OPTIONS = (
     click.option(
@@ -26,11 +26,9 @@ _OPTIONS = (
 )
 
 
-def tls_options(command: F) -> F:
+def tls_options(command: Command) -> Command:
     """Give a command `--tls-cert --tls-key --tls-ca`: the arguments of `tls_files_of`."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return with_options(command, _OPTIONS)
 
 
 def tls_files_of(tls_cert: str | None, tls_key: str | None, tls_ca: str | None) -> TlsFiles | None:
