@@ -7,12 +7,14 @@ Each set of 18 set-points is one burst and one commit, and all joints are publis
     python examples/walker18/run.py --spec walker18_si.ul          # the same robot in engineering units
     python examples/walker18/run.py --link "serial:/dev/ttyUSB0?baud=3000000"
 
-The exit code is 1 if the walker did not get as far as its steps should have brought it.
+Where MuJoCo is installed, the virtual board has a model with masses and contacts: the feet push, and the body
+moves. The exit code is 1 if the walker did not get as far as its steps should have brought it.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +32,7 @@ CYCLE_S = 1.2
 RISE_STEPS = 10
 SETTLE_S = 0.6
 JOINTS = ("hip", "knee", "foot")
+MOST_SLIP = 0.1  # of the way that the body of a model should have come
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,7 @@ class Run:
     measured: Array
     cycles: int
     lost: int
+    body_m: float | None  # how far the body of a model came, None without one
 
     @property
     def feet(self) -> Array:
@@ -104,6 +108,7 @@ def walk(node: Node, link: Link, cycles: int) -> Run:
         start = link.now_s() + SETTLE_S
         link.sleep_until(start)
         samples.clear()
+        began = body_of(link)
         due = start
         steps = round(cycles * CYCLE_S / PERIOD_S)
         for step in range(steps + round(SETTLE_S / PERIOD_S)):
@@ -117,6 +122,7 @@ def walk(node: Node, link: Link, cycles: int) -> Run:
             asked_s.append(link.now_s() - start)
             asked.append(joints)
         lost = sum(report.lost for report in node.publisher.reports())
+        ended = body_of(link)
     if len(samples) < 2:
         raise LinkTimeout(f"{len(samples)} publishes came in {asked_s[-1]:.1f} s", item="walker18")
     return Run(
@@ -127,7 +133,27 @@ def walk(node: Node, link: Link, cycles: int) -> Run:
         measured=np.array([walker.angles_in(values) for _, values in samples]),
         cycles=cycles,
         lost=lost,
+        body_m=None if began is None or ended is None else float(ended[0] - began[0]),
     )
+
+
+def body_of(link: Link) -> Array | None:
+    """Return where the body of a model in MuJoCo is, x, y and z, or None without one."""
+    data = getattr(getattr(link.board, "plant", None), "data", None)
+    return None if data is None else np.array(data.sensor("body_at").data)
+
+
+def has_mujoco() -> bool:
+    return importlib.util.find_spec("mujoco") is not None
+
+
+def told(link: Link) -> str:
+    """Say what moves behind the link."""
+    if link.board is None:
+        return "hardware"
+    if body_of(link) is not None:
+        return "in MuJoCo, with the masses and contacts of walker18.xml"
+    return "servos without a body" + ("" if has_mujoco() else " (MuJoCo is not installed)")
 
 
 def tell(run: Run) -> bool:
@@ -141,6 +167,12 @@ def tell(run: Run) -> bool:
     print(f"  feet on the ground: at least {carrying.min()}")
     print(f"  walked {run.distance_m * 1e3:.0f} mm, asked {run.expected_m * 1e3:.0f} mm")
     there = abs(run.distance_m - run.expected_m) < 0.6 * STRIDE  # the first and the last step are short
+    if run.body_m is not None:
+        slip = 1 - run.body_m / run.distance_m
+        print(
+            f"  the body came {run.body_m * 1e3:.0f} mm in MuJoCo; the feet slipped {slip:.1%} of their way"
+        )
+        there = there and abs(slip) < MOST_SLIP
     still = np.abs(run.measured[-1] - run.asked[-1]).max() < 0.02
     return bool(there and still and carrying.min() >= 3)
 
@@ -150,14 +182,20 @@ def main() -> int:
     parser.add_argument("--spec", type=Path, default=Path("walker18.ul"), metavar="FILE", help="which spec")
     parser.add_argument("--link", metavar="URL", help="board to drive (a virtual one)")
     parser.add_argument("--rtl", action="store_true", help="the virtual board is the VHDL, compiled")
+    parser.add_argument(
+        "--simple", action="store_true", help="walk without MuJoCo, also where it is installed"
+    )
     parser.add_argument("--cycles", type=int, default=4, metavar="N", help="how far: N times two steps")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the walk there")
     options = parser.parse_args()
     file = options.spec if options.spec.exists() else HERE / options.spec
-    url = options.link or f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}&timeout=1"
+    model = HERE / f"{file.stem}.toml"
+    with_model = has_mujoco() and model.is_file() and not options.simple
+    plant = f"mujoco:{model}" if with_model else str(HERE / "plant.py")
+    url = options.link or f"{'rtl' if options.rtl else 'sim'}:{file}?plant={plant}&timeout=1"
     spec = load(file)
     with connect(url) as link:
-        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; walking:")
+        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; {told(link)}; walking:")
         run = walk(load_spec_objects(spec, link), link, options.cycles)
     there = tell(run)
     if options.picture:

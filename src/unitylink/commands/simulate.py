@@ -41,7 +41,7 @@ def _setting_options(command: Callable[..., None]) -> Callable[..., None]:
 @click.option(
     "--plant",
     metavar="PLANT",
-    help="What moves behind the registers: ramp, loopback, scara, FILE.py or a recording.",
+    help="What moves behind the registers: ramp, loopback, scara, FILE.py, mujoco:FILE.xml or a recording.",
 )
 @click.option("--rtl", is_flag=True, help="Serve the VHDL of the spec, compiled, instead of the twin.")
 @_setting_options

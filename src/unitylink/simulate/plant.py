@@ -50,9 +50,10 @@ MUJOCO = "mujoco:"
 def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
     """Return the plant called `name` (ramp, loopback, scara), or the plant in the file `name`.
 
-    `mujoco:FILE` is a model of MuJoCo, MJCF or URDF (docs/mujoco.md). Otherwise the file is a recording, or
-    Python with a class `Plant` that takes no arguments or a function `make_plant(spec)`. Raises
-    UnityLinkError with the file's name and the reason, and ToolError if MuJoCo is absent.
+    `mujoco:FILE` is a model of MuJoCo, MJCF, URDF or TOML with more about it (docs/mujoco.md). Otherwise the
+    file is a recording, or Python with a class `Plant` that takes no arguments or a function
+    `make_plant(spec)`. Raises UnityLinkError with the file's name and the reason, and ToolError if MuJoCo is
+    absent.
     """
     if name in PLANTS:
         return PLANTS[name]()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -15,16 +16,30 @@ from ..registers import Registers
 Numbers = npt.NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class SiWord:
+    """A value of one word. Times `factor` plus `shift`, it is in SI units.
+
+    With `amount`, it shows how large a number is, whatever its sign.
+    """
+
+    element: Element
+    factor: float
+    shift: float = 0.0
+    amount: bool = False
+
+
 class SiWords:
-    """Values of one word each, with the factor from their unit to SI.
+    """Values of one word each, as numbers in SI units.
 
     A number beyond the limits of its value or of its word becomes the limit, as with a sensor. One that is
     not a number becomes 0.
     """
 
-    def __init__(self, values: Sequence[tuple[Element, float]], registers: Registers) -> None:
+    def __init__(self, words: Sequence[SiWord], registers: Registers) -> None:
         self._registers = registers
         bits = registers.data_bits
+        values = [(word.element, word.factor) for word in words]
         self._addresses = [element.addresses[0] for element, _ in values]
         widths = [bits if element.type.bus else element.type.width for element, _ in values]
         self._mask = np.array([(1 << width) - 1 for width in widths], dtype=np.int64)
@@ -38,10 +53,12 @@ class SiWords:
         self._floats = np.array([element.type.kind == "float" for element, _ in values], dtype=np.bool_)
         scales = [float(element.scale) / (1 << element.type.fraction) for element, _ in values]
         self._scale = np.array([scale * factor for scale, (_, factor) in zip(scales, values, strict=True)])
-        self._offset = np.array([float(element.offset) * factor for element, factor in values])
-        ends = [(element.minimum, element.maximum, factor) for element, factor in values]
-        self._low = np.array([-np.inf if low is None else float(low) * factor for low, _, factor in ends])
-        self._high = np.array([np.inf if high is None else float(high) * factor for _, high, factor in ends])
+        self._offset = np.array([float(word.element.offset) * word.factor + word.shift for word in words])
+        ends = [_ends(word) for word in words]
+        self._low = np.array([low for low, _ in ends])
+        self._high = np.array([high for _, high in ends])
+        self._amount = np.array([word.amount for word in words], dtype=np.bool_)
+        self._some_amount = bool(self._amount.any())
 
     def read(self) -> Numbers:
         """Return the numbers."""
@@ -55,6 +72,8 @@ class SiWords:
 
     def write(self, numbers: Numbers) -> None:
         """Set the words."""
+        if self._some_amount:
+            numbers = np.where(self._amount, np.abs(numbers), numbers)
         limited = np.clip(np.nan_to_num(numbers, posinf=np.inf, neginf=-np.inf), self._low, self._high)
         values = (limited - self._offset) / self._scale
         raw = np.rint(np.clip(values, -self._sign, self._mask - self._sign)).astype(np.int64) & self._mask
@@ -62,3 +81,11 @@ class SiWords:
             floats = values.astype(np.float32).view(np.uint32).astype(np.int64)
             raw = np.where(self._floats, floats, raw)
         self._registers.write_many(self._addresses, raw.tolist())
+
+
+def _ends(word: SiWord) -> tuple[float, float]:
+    """Return the limits of a value in SI units, the lower one first."""
+    low, high = word.element.minimum, word.element.maximum
+    first = float(low) * word.factor + word.shift if low is not None else -np.inf * np.sign(word.factor)
+    last = float(high) * word.factor + word.shift if high is not None else np.inf * np.sign(word.factor)
+    return (first, last) if word.factor > 0 else (last, first)

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot's model in MuJoCo behind the registers: `plant=mujoco:robot.xml` (docs/mujoco.md)."""
+
+from __future__ import annotations
+
+from .plant import MujocoPlant
+
+__all__ = ["MujocoPlant"]

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which value of a spec belongs to which number of a model: as a wish says, or by name, and by unit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from unitylink.errors import UnityLinkError
+from unitylink.interface.joint_names import names_of, plain
+from unitylink.spec.model import Element, Spec
+from unitylink.spec.units import unit
+
+from ..si_words import SiWord
+from . import places
+from .places import Place
+from .wish import Wish, wishes
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A value, its place, and the conversion between both."""
+
+    element: Element
+    place: Place
+    word: SiWord
+
+
+@dataclass(frozen=True)
+class Bindings:
+    """What is shown, what is commanded, and what belongs to nothing."""
+
+    seen: tuple[Bound, ...]
+    moved: tuple[Bound, ...]
+    notes: tuple[str, ...]
+
+
+def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> Bindings:
+    """Find the place of each value. Raises UnityLinkError for what is said and cannot be, and if nothing
+    belongs together."""
+    elements = [one for root in spec.roots for one in root.walk()] if spec else []
+    names = {path: found for root in (spec.roots if spec else ()) for path, found in names_of(root).items()}
+    wanted = wishes(spec, said, file) if spec else {}
+    notes: list[str] = []
+    measured, commanded = list(places.measured(model)), list(places.commanded(model))
+    read = [one for one in elements if not one.writable]
+    written = [one for one in elements if one.writable and one.access != "PULSE"]
+    seen = tuple(_Finder(measured, names, wanted, False, notes).found(read))
+    moved = tuple(_Finder(commanded, names, wanted, True, notes).found(written))
+    if not seen and not moved:
+        joints = ", ".join(place.name for place in measured if place.what == "position") or "none"
+        values = ", ".join(one.path for one in elements[:8]) or "none"
+        raise UnityLinkError(
+            f"plant mujoco:{file}: no joint belongs to a value. Its joints: {joints}. Values of "
+            f"the spec: {values}. They belong together by name and unit (docs/mujoco.md)"
+        )
+    return Bindings(seen, moved, tuple(notes))
+
+
+class _Finder:
+    """Finds the places of values that are all read, or all written."""
+
+    def __init__(
+        self,
+        among: Sequence[Place],
+        names: Mapping[str, set[str]],
+        wanted: Mapping[str, Wish],
+        written: bool,
+        notes: list[str],
+    ) -> None:
+        self._places = among
+        self._names = names
+        self._wanted = wanted
+        self._written = written
+        self._notes = notes
+        self._taken: dict[tuple[str, int], str] = {}  # the path of the value there
+
+    def found(self, elements: Sequence[Element]) -> Iterator[Bound]:
+        """Yield each value that has a place. Those that are said come first. Note the others."""
+        rest = []
+        for element in elements:
+            bound = self._as_said(element)
+            if bound is None:
+                rest.append(element)
+            else:
+                yield bound
+        for element in rest:
+            bound = self._by_name(element)
+            if bound is not None:
+                yield bound
+        self._note_free_places([element.path for element in elements])
+
+    def _as_said(self, element: Element) -> Bound | None:
+        wish = self._wanted[element.path]
+        kind, name = wish.place(self._written)
+        if not kind:
+            if wish.own and wish.by:
+                what = "the PC reads it; name a joint or a sensor"
+                raise UnityLinkError(
+                    f"{element.path}: {wish.by}: "
+                    + ("the PC writes it; name a joint or an actuator" if self._written else what)
+                )
+            return None
+        own = self._called(kind, name)
+        if not own and kind == "joint" and self._written and not wish.own:
+            return None  # a joint without an actuator has no place for what the PC writes
+        if not own:
+            there = sorted({_name_of(place, kind) for place in self._places} - {""})
+            near = get_close_matches(name, there, 3, 0.3) or there[:3]
+            what = (
+                f"{kind} {name!r}" if kind != "joint" or not self._written else f"actuator at joint {name!r}"
+            )
+            raise UnityLinkError(
+                f"{element.path}: {wish.by}: the model has no {what}; nearest: {', '.join(near) or 'none'}"
+            )
+        fitting = [place for place in own if _factor(element, place, wish.unit) is not None]
+        free = [place for place in fitting if (place.what, place.index) not in self._taken]
+        if fitting and not free and self._written:
+            other = self._taken[fitting[0].what, fitting[0].index]
+            raise UnityLinkError(
+                f"{element.path}: {wish.by}: {other} commands the {fitting[0]} already; name another"
+            )
+        if fitting:
+            return self._made(element, (free or fitting)[0], wish)
+        if wish.own:
+            has = ", ".join(dict.fromkeys(str(place) for place in own))
+            unit_there = wish.unit or element.unit or "no unit"
+            raise UnityLinkError(
+                f"{element.path}: {wish.by}: it has {unit_there} in {element.words} words, and does not fit "
+                f"there: {has}"
+            )
+        return None
+
+    def _called(self, kind: str, name: str) -> list[Place]:
+        return [place for place in self._places if _name_of(place, kind) == name]
+
+    def _by_name(self, element: Element) -> Bound | None:
+        names, wish = self._names[element.path], self._wanted[element.path]
+        fitting = [place for place in self._places if _factor(element, place, wish.unit) is not None]
+        named = [place for place in fitting if plain(place.name) in names]
+        has = wish.unit or element.unit
+        if named:
+            place = named[0]
+            if (place.what, place.index) not in self._taken:
+                return self._made(element, place, wish)
+            self._notes.append(
+                f"{element.path} is left out, because another value belongs to {place.name}, too"
+            )
+        elif other := [p for p in self._places if plain(p.name) in names and p.what == "sensor"]:
+            self._notes.append(
+                f"{element.path} is left out: it has {has or 'no unit'}, and the sensor "
+                f"{other[0].name} measures {other[0].unit or 'a number of one word'}"
+            )
+        elif fitting and has:
+            near = get_close_matches(element.path, sorted({place.name for place in fitting}), 3, 0.3)
+            self._notes.append(
+                f"{element.path} belongs to nothing in the model; nearest: {', '.join(near) or 'none'}"
+            )
+        return None
+
+    def _made(self, element: Element, place: Place, wish: Wish) -> Bound:
+        self._taken.setdefault((place.what, place.index), element.path)
+        factor = _factor(element, place, wish.unit)
+        assert factor is not None  # it has been looked at before
+        factor *= wish.scale
+        if place.what == "limit":
+            return Bound(element, place, SiWord(element, factor))
+        kind = element.type.kind
+        if place.what in ("velocity", "effort") and kind in ("uint", "ufixed") and element.offset >= 0:
+            return Bound(element, place, SiWord(element, factor, amount=True))  # it cannot be negative
+        factor *= wish.sign
+        zero = wish.zero / wish.scale if place.at_zero else 0.0
+        return Bound(element, place, SiWord(element, factor, -factor * zero))
+
+    def _note_free_places(self, paths: list[str]) -> None:
+        told = set(self._taken)
+        for place in self._places:
+            key = place.what, place.index
+            if place.what in ("position", "actuator") and place.name and key not in told:
+                what = "shows the position of joint" if place.what == "position" else "drives the actuator"
+                near = ", ".join(get_close_matches(place.name, paths, 3, 0.3)) or "none"
+                self._notes.append(f"no value {what} {place.name}; nearest: {near}")
+            told.add(key)
+
+
+def _name_of(place: Place, kind: str) -> str:
+    """Return the name of a place as a joint, an actuator or a sensor, or "" if it is none."""
+    if kind == "joint":
+        return place.joint
+    return place.name if place.what == kind or (kind, place.what) == ("actuator", "limit") else ""
+
+
+def _factor(element: Element, place: Place, other_unit: str) -> float | None:
+    """Return the factor from a value to SI, or None if it cannot be this number of the model."""
+    own = unit(element.unit or other_unit)
+    kind = element.type
+    if (
+        not kind.numeric
+        or (kind.kind == "float" and kind.width != 32)
+        or len(element.addresses) != 1
+        or (own is not None and own.offset)
+    ):
+        return None
+    if place.unit is None or (place.what == "sensor" and own is None):
+        return float(own.factor) if own is not None else 1.0
+    si = unit(place.unit)
+    if own is None or si is None or own.dimension != si.dimension:
+        return None
+    return float(own.factor / si.factor)
