@@ -66,6 +66,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     "lockstep": ("lockstep", "measure_twin"),
     "lockstep-rtl": ("lockstep", "measure_rtl"),
     "lockstep-64": ("lockstep", "measure_vector"),
+    "walker": ("walker", "measure"),
+    "walker-paced": ("walker", "measure_paced"),
     "import": ("start_up", "measure_import"),
     "version": ("start_up", "measure_version"),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
@@ -51,33 +52,47 @@ class SiWords:
             dtype=np.int64,
         )
         self._floats = np.array([element.type.kind == "float" for element, _ in values], dtype=np.bool_)
+        self._some_floats = bool(self._floats.any())
         scales = [float(element.scale) / (1 << element.type.fraction) for element, _ in values]
         self._scale = np.array([scale * factor for scale, (_, factor) in zip(scales, values, strict=True)])
         self._offset = np.array([float(word.element.offset) * word.factor + word.shift for word in words])
         ends = [_ends(word) for word in words]
-        self._low = np.array([low for low, _ in ends])
-        self._high = np.array([high for _, high in ends])
+        low, high = np.array([low for low, _ in ends]), np.array([high for _, high in ends])
+        # What a word can hold is a limit, too, and one for all is quicker than two.
+        held = np.array([-self._sign, self._mask - self._sign]) * self._scale + self._offset
+        self._low = np.where(self._floats, low, np.maximum(low, held.min(axis=0)))
+        self._high = np.where(self._floats, high, np.minimum(high, held.max(axis=0)))
         self._amount = np.array([word.amount for word in words], dtype=np.bool_)
         self._some_amount = bool(self._amount.any())
+        self._ones = np.ones(len(words))
+        self._last: tuple[list[int], Numbers] = ([], np.zeros(0))
 
     def read(self) -> Numbers:
-        """Return the numbers."""
-        words = np.array(self._registers.read_many(self._addresses), dtype=np.int64)
+        """Return the numbers. They are the caller's own."""
+        read = self._registers.read_many(self._addresses)
+        if read == self._last[0]:  # as most times: a program writes less often than a plant steps
+            return self._last[1].copy()
+        words = np.array(read, dtype=np.int64)
         raw = ((words & self._mask) ^ self._sign) - self._sign
         numbers: Numbers = raw * self._scale + self._offset
-        if self._floats.any():
+        if self._some_floats:
             floats = (words & 0xFFFFFFFF).astype(np.uint32).view(np.float32).astype(np.float64)
             numbers = np.where(self._floats, np.nan_to_num(floats) * self._scale + self._offset, numbers)
-        return numbers
+        self._last = read, numbers
+        return numbers.copy()
 
     def write(self, numbers: Numbers) -> None:
         """Set the words."""
+        if not isfinite(numbers.dot(self._ones)):  # it is the quickest look for what is not a number
+            numbers = np.nan_to_num(numbers, posinf=np.inf, neginf=-np.inf)
         if self._some_amount:
             numbers = np.where(self._amount, np.abs(numbers), numbers)
-        limited = np.clip(np.nan_to_num(numbers, posinf=np.inf, neginf=-np.inf), self._low, self._high)
-        values = (limited - self._offset) / self._scale
-        raw = np.rint(np.clip(values, -self._sign, self._mask - self._sign)).astype(np.int64) & self._mask
-        if self._floats.any():
+        values = np.minimum(np.maximum(numbers, self._low), self._high)
+        values -= self._offset
+        values /= self._scale
+        whole = np.where(self._floats, 0.0, values) if self._some_floats else values
+        raw = np.rint(whole).astype(np.int64) & self._mask
+        if self._some_floats:
             floats = values.astype(np.float32).view(np.uint32).astype(np.int64)
             raw = np.where(self._floats, floats, raw)
         self._registers.write_many(self._addresses, raw.tolist())

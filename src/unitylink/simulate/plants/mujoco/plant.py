@@ -21,6 +21,9 @@ from .binding import bind
 from .model_file import load_model
 
 LEAST_PERIOD_S = 0.001
+# how often position, velocity and acceleration were no numbers, or too large
+_FIRST_UNSTABLE = int(mujoco.mjtWarning.mjWARN_BADQPOS)
+_LAST_UNSTABLE = int(mujoco.mjtWarning.mjWARN_BADQACC)
 _log = logging.getLogger("unitylink.simulate")
 
 
@@ -38,6 +41,7 @@ class MujocoPlant:
         self._said = loaded.values
         self._of_model = loaded.notes
         self.data = mujoco.MjData(self.model)
+        self._unstable = self.data.warning.number[_FIRST_UNSTABLE : _LAST_UNSTABLE + 1]  # a view
         step_s = float(self.model.opt.timestep)
         self._at_once = max(1, round(LEAST_PERIOD_S / step_s))
         self.period_s = self._at_once * step_s
@@ -124,9 +128,7 @@ class MujocoPlant:
         self._sensors.write(self._numbers)
 
     def _check(self, time_s: float) -> None:
-        kinds = mujoco.mjtWarning
-        bad = (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)
-        if not any(self.data.warning[kind].number for kind in bad):
+        if not self._unstable.any():
             return
         size = np.abs(np.nan_to_num(self.data.qacc, nan=np.inf))
         worst = int(np.argmax(size)) if size.size else 0
