@@ -15,7 +15,7 @@ SHOULDER, UPPER, FORE, HAND = 0.317, 0.45, 0.48, 0.13
 BASES = np.array([[0.0, 0.45, 0.0], [0.0, -0.45, 0.0]])  # for the left and the right arm
 REST = np.array([0.0, 0.5, 0.0, 1.4, 0.0, 0.8, 0.0])
 RADIUS, CENTRE_Z = 0.14, 0.62
-HANDS_APART = 0.1  # in m, while the hands go around the circle
+HANDS_APART = 0.1  # in m, while the hands go around the loop
 
 
 def points(joints: Array) -> Array:
@@ -74,7 +74,7 @@ def follow(targets: Array, start: Array) -> Array:
 
 
 def demonstration(period_s: float, pace: float = 1.0) -> Array:
-    """Return joint angles (n, 2, 7): from rest to a circle, around it hand in hand, and back to rest.
+    """Return joint angles (n, 2, 7): from rest to a loop, around it hand in hand, and back to rest.
 
     `pace` 2 is twice as fast.
     """
@@ -85,10 +85,13 @@ def demonstration(period_s: float, pace: float = 1.0) -> Array:
         return t**3 * (10 - 15 * t + 6 * t**2)
 
     turn = 2 * np.pi * ease(3.2)
-    circle = np.stack([0.55 + 0 * turn, RADIUS * np.sin(turn), CENTRE_Z - RADIUS * np.cos(turn)], axis=-1)
+    sideways = (
+        RADIUS * np.sin(turn) * (1 - np.cos(turn)) / 1.3
+    )  # straight up at first, and straight down at last
+    loop = np.stack([0.55 + 0 * turn, sideways, CENTRE_Z - RADIUS * np.cos(turn)], axis=-1)
     arms = []
     for base in BASES:
-        grip = circle + np.array([0.0, HANDS_APART / 2 * np.sign(base[1]), 0.0]) - base
+        grip = loop + np.array([0.0, HANDS_APART / 2 * np.sign(base[1]), 0.0]) - base
         start = follow(grip[:1], REST)[0]
         around = follow(grip, start)
         # the last joint turns the hand without moving it

@@ -60,7 +60,7 @@ def save(run: Run, path: Path) -> None:
 
 
 def draw_arms(axes: Any, run: Run) -> None:
-    """Draw the arms at rest (pale) and at four places on the circle, and the paths of the hands."""
+    """Draw the arms at rest (pale) and at four places on the loop, and the paths of the hands."""
     way = hands(run.measured)
     for arm, (colour, name) in enumerate(zip(COLOURS, ("left arm", "right arm"), strict=True)):
         for at in (0.0, 0.32, 0.44, 0.56):
@@ -77,5 +77,5 @@ def draw_arms(axes: Any, run: Run) -> None:
     axes.set_xlabel("x in m")
     axes.set_ylabel("y in m")
     axes.set_zlabel("z in m")
-    axes.set_title("arms at rest (pale) and on the circle; lines are the hands", loc="left")
+    axes.set_title("arms at rest (pale) and on the loop; lines are the hands", loc="left")
     axes.legend(loc="upper left", frameon=False)

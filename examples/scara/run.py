@@ -6,7 +6,8 @@
     python examples/scara/run.py --link "serial:/dev/ttyUSB0?baud=3000000"   # the robot itself
 
 Four joints follow a path. Each set-point is one burst and one commit on the TosNet network. The positions
-come back as isochronous publishes at 100 Hz. The exit code is 1 if the robot did not reach its target.
+come back as isochronous publishes at 100 Hz. Where MuJoCo is installed, the arm of a virtual board has the
+masses of a model. The exit code is 1 if the robot did not reach its target.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 SPEC = HERE / "scara.ul"
+MODEL = HERE / "scara.toml"
 PERIOD_S = 0.02  # time from one set-point to the next
 SPEED_LIMIT = (180.0, 240.0, 250.0, 400.0)  # per joint, in its unit per second
 SETTLE_S = 2.0  # time to reach the last set-point
@@ -178,18 +180,30 @@ def describe(joint: Joint, error: float) -> str:
     return f"{joint.name} ({joint.role}) is {abs(error):.2f} {joint.unit} from its set-point"
 
 
+def has_mujoco() -> bool:
+    return importlib.util.find_spec("mujoco") is not None
+
+
+def told(link: Link) -> str:
+    """Say what moves behind the link."""
+    plant = type(getattr(link.board, "plant", None)).__name__
+    return {
+        "MujocoPlant": "in MuJoCo, with the masses of examples/dashboard/arm.xml",
+        "ScaraPlant": "four joints with inertia" + ("" if has_mujoco() else " (MuJoCo is not installed)"),
+    }.get(plant, "hardware")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=(__doc__ or "").partition("\n")[0],
         epilog='example: run.py --link "tcp://192.168.1.10:5555" --picture scara.png',
     )
-    parser.add_argument("--link", default=f"sim:{SPEC}?plant=scara", metavar="URL", help="board to drive")
+    parser.add_argument("--link", metavar="URL", help="board to drive (a virtual one)")
     parser.add_argument(
-        "--rtl",
-        action="store_const",
-        dest="link",
-        const=f"rtl:{SPEC}?plant=scara",
-        help="drive the VHDL itself, compiled: half a minute the first time",
+        "--rtl", action="store_true", help="drive the VHDL itself, compiled: half a minute the first time"
+    )
+    parser.add_argument(
+        "--simple", action="store_true", help="move without MuJoCo, also where it is installed"
     )
     parser.add_argument("--classic", action="store_true", help="speak the classic protocol, not frames")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the joint paths there")
@@ -201,7 +215,8 @@ def main() -> int:
         help="where the proxies are generated (%(default)s)",
     )
     options = parser.parse_args()
-    url = options.link
+    plant = f"mujoco:{MODEL}" if has_mujoco() and not options.simple else "scara"
+    url = options.link or f"{'rtl' if options.rtl else 'sim'}:{SPEC}?plant={plant}"
     if options.classic:
         url += ("&" if "?" in url else "?") + "protocol=classic"
     with connect(url) as link:
@@ -212,7 +227,7 @@ def main() -> int:
         nodes = ", ".join(str(node.node_id) for node in network.nodes())
         print(f"protocol: {link.protocol}")
         print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
-        print("moving:")
+        print(f"moving, {told(link)}:")
         run = drive(robot, link)
         if link.board is not None:
             tell_times(link.board, time.monotonic() - started)

@@ -72,7 +72,7 @@ def _physics_us(plant: Any) -> float:
     mujoco.mj_step(plant.model, plant.data, steps)
     taken_s = time.perf_counter() - start_s
     plant.restore(state)
-    return taken_s / steps / (1000 * plant.model.opt.timestep) * 1e6
+    return taken_s / steps / (1000 * float(plant.model.opt.timestep)) * 1e6
 
 
 def measure_paced(run: Run) -> Figure:

@@ -245,7 +245,7 @@ ROBOTS = Path(__file__).parents[3] / "examples"
 
 def test_a_speed_limits_how_fast_a_position_moves_and_zero_holds_it() -> None:
     """The PA10 that comes along: its limits are SAFE=0, so the dead-man holds it where it is."""
-    model = ROBOTS / "pa10" / "pa10.xml"
+    model = ROBOTS / "pa10" / "pa10_pair.toml"
     url = f"sim:{ROBOTS / 'pa10' / 'pa10_pair.ul'}?plant=mujoco:{model}&root=left_arm&deadman=0.05"
     with connect(url, time="lockstep") as link:
         arm: Any = load_spec_objects(link.board.spec, link)

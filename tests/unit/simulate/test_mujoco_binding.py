@@ -190,7 +190,7 @@ def test_what_a_spec_says_and_cannot_be_is_told(files: Path, spec: str, told: st
         ('model = "arm.xml"\n[values]\n"*" = 3', 'values."*": it is 3; write { joint'),
         ('model = "other.xml"', "other.xml: there is no such file"),
         ("[values]", 'it must name the model: model = "robot.xml"'),
-        ('models = "arm.xml"', "there is no key 'models'; there are model, values"),
+        ('models = "arm.xml"', "there is no key 'models'; there are model, shared, values"),
         ("model =", "arm.toml: Invalid value"),
     ],
 )
@@ -202,8 +202,8 @@ def test_a_file_beside_the_model_with_a_mistake_is_told(files: Path, text: str, 
 def test_a_place_without_a_value_is_named_with_the_nearest_values(files: Path) -> None:
     spec = ONE.format('@mujoco(joint="pan")', 'f32 READ(UNIT="rad"); @servo_x = 0x11: f32 WRITE(UNIT="rad");')
     assert plant_of(files, spec).notes == (
-        "no value shows the position of joint tilt; nearest: none",
         "servo_x belongs to nothing in the model; nearest: servo_b, servo_a",
+        "no value shows the position of joint tilt; nearest: none",
         "no value drives the actuator servo_a; nearest: servo_x",
         "no value drives the actuator servo_b; nearest: servo_x",
     )

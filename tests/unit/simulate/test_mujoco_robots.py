@@ -62,3 +62,39 @@ def test_the_walker_moves_its_body_and_its_feet_hardly_slip(spec: str) -> None:
         measured = walker["pos"].snapshot()
         last = gait["angles"](gait["feet_at"](0.25, lift=0.0)).ravel() * (1000 if in_counts else 1)
         np.testing.assert_allclose(list(measured.values()), last, atol=20 if in_counts else 0.02)
+
+
+def test_two_boards_move_one_model_and_their_arms_carry_a_box_together() -> None:
+    folder = ROBOTS / "pa10"
+    arm: Any = runpy.run_path(str(folder / "arm.py"))
+    url = f"sim:{folder / 'pa10_pair.ul'}?plant=mujoco:{folder / 'pa10_pair.toml'}&root="
+    with (
+        connect(f"{url}left_arm", time="lockstep") as left,
+        connect(f"{url}right_arm", time="lockstep") as right,
+    ):
+        world = left.board.plant.data
+        assert right.board.plant.data is world
+        assert left.board.plant.notes == right.board.plant.notes == ()
+        arms: list[Any] = [load_spec_objects(link.board.spec, link) for link in (left, right)]
+        for one in arms:
+            for joint in range(7):
+                one[f"arm.j[{joint}].limit"].write(3.0)
+            one["arm.target"].write(arm["REST"].tolist())
+        left.step(1.2)
+        place, highest = world.sensor("box_at").data.copy(), 0.0
+        for joints in arm["demonstration"](0.04):
+            for one, angles in zip(arms, joints, strict=True):
+                one["arm.target"].write(angles.tolist())
+            left.step(0.04)  # the time of both
+            highest = max(highest, world.sensor("box_at").data[2])
+        left.step(0.5)
+        assert highest - place[2] == pytest.approx(2 * arm["RADIUS"], abs=0.03)
+        np.testing.assert_allclose(world.sensor("box_at").data, place, atol=0.04)
+        assert world.body("box").xquat[0] > 0.99  # it stands as before
+        steps = left.board.statistics.plant_steps - 1
+        assert world.time == pytest.approx(0.001 * steps, abs=0.0011)  # and nobody has moved it twice
+        for one, angles in zip(arms, joints, strict=True):
+            np.testing.assert_allclose(list(one["arm.pos"].snapshot().values()), angles, atol=2e-3)
+
+    with connect(f"{url}left_arm", time="lockstep") as link:
+        assert link.board.plant.data is not world  # another board of this part begins in a world of its own

@@ -65,21 +65,27 @@ class SiWords:
         self._amount = np.array([word.amount for word in words], dtype=np.bool_)
         self._some_amount = bool(self._amount.any())
         self._ones = np.ones(len(words))
-        self._last: tuple[list[int], Numbers] = ([], np.zeros(0))
+        self._last_words: list[int] = []
+        self._last: Numbers = np.zeros(0)
 
     def read(self) -> Numbers:
         """Return the numbers. They are the caller's own."""
         read = self._registers.read_many(self._addresses)
-        if read == self._last[0]:  # as most times: a program writes less often than a plant steps
-            return self._last[1].copy()
+        if (
+            read != self._last_words
+        ):  # most times they are equal: a program writes less often than a plant steps
+            self._last_words, self._last = read, self._of(read)
+        numbers: Numbers = self._last.copy()
+        return numbers
+
+    def _of(self, read: Sequence[int]) -> Numbers:
         words = np.array(read, dtype=np.int64)
         raw = ((words & self._mask) ^ self._sign) - self._sign
         numbers: Numbers = raw * self._scale + self._offset
         if self._some_floats:
             floats = (words & 0xFFFFFFFF).astype(np.uint32).view(np.float32).astype(np.float64)
             numbers = np.where(self._floats, np.nan_to_num(floats) * self._scale + self._offset, numbers)
-        self._last = read, numbers
-        return numbers.copy()
+        return numbers
 
     def write(self, numbers: Numbers) -> None:
         """Set the words."""

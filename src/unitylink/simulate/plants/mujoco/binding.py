@@ -30,11 +30,12 @@ class Bound:
 
 @dataclass(frozen=True)
 class Bindings:
-    """What is shown, what is commanded, and what belongs to nothing."""
+    """What is shown, what is commanded, and what belongs to nothing: `notes` of values, `free` of a model."""
 
     seen: tuple[Bound, ...]
     moved: tuple[Bound, ...]
     notes: tuple[str, ...]
+    free: tuple[str, ...]
 
 
 def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> Bindings:
@@ -47,8 +48,11 @@ def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> B
     measured, commanded = list(places.measured(model)), list(places.commanded(model))
     read = [one for one in elements if not one.writable]
     written = [one for one in elements if one.writable and one.access != "PULSE"]
-    seen = tuple(_Finder(measured, names, wanted, False, notes).found(read))
-    moved = tuple(_Finder(commanded, names, wanted, True, notes).found(written))
+    of_read, of_written = (
+        _Finder(measured, names, wanted, False, notes),
+        _Finder(commanded, names, wanted, True, notes),
+    )
+    seen, moved = tuple(of_read.found(read)), tuple(of_written.found(written))
     if not seen and not moved:
         joints = ", ".join(place.name for place in measured if place.what == "position") or "none"
         values = ", ".join(one.path for one in elements[:8]) or "none"
@@ -56,7 +60,11 @@ def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> B
             f"plant mujoco:{file}: no joint belongs to a value. Its joints: {joints}. Values of "
             f"the spec: {values}. They belong together by name and unit (docs/mujoco.md)"
         )
-    return Bindings(seen, moved, tuple(notes))
+    free = (
+        *of_read.free_places([one.path for one in read]),
+        *of_written.free_places([one.path for one in written]),
+    )
+    return Bindings(seen, moved, tuple(notes), free)
 
 
 class _Finder:
@@ -90,7 +98,6 @@ class _Finder:
             bound = self._by_name(element)
             if bound is not None:
                 yield bound
-        self._note_free_places([element.path for element in elements])
 
     def _as_said(self, element: Element) -> Bound | None:
         wish = self._wanted[element.path]
@@ -174,14 +181,15 @@ class _Finder:
         zero = wish.zero / wish.scale if place.at_zero else 0.0
         return Bound(element, place, SiWord(element, factor, -factor * zero))
 
-    def _note_free_places(self, paths: list[str]) -> None:
+    def free_places(self, paths: list[str]) -> Iterator[str]:
+        """Yield a note for each joint and actuator without a value, with the nearest of these paths."""
         told = set(self._taken)
         for place in self._places:
             key = place.what, place.index
             if place.what in ("position", "actuator") and place.name and key not in told:
                 what = "shows the position of joint" if place.what == "position" else "drives the actuator"
                 near = ", ".join(get_close_matches(place.name, paths, 3, 0.3)) or "none"
-                self._notes.append(f"no value {what} {place.name}; nearest: {near}")
+                yield f"no value {what} {place.name}; nearest: {near}"
             told.add(key)
 
 

@@ -20,25 +20,31 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-_KEYS = ("model", "values")
+_KEYS = ("model", "shared", "values")
 _log = logging.getLogger("unitylink.simulate")
 
 
 @dataclass(frozen=True)
 class ModelFile:
-    """A model, and what the TOML says about values, by their paths. `notes` are about the model itself."""
+    """A model, and what the TOML says about values, by their paths. `notes` are about the model itself.
 
+    If it is `shared`, the boards of a process move the same model.
+    """
+
+    path: Path
     model: Any
     values: Mapping[str, Any]
-    notes: tuple[str, ...] = ()
+    shared: bool
+    notes: tuple[str, ...]
 
 
 def load_model(file: str) -> ModelFile:
     """Load it. Raises UnityLinkError for a file that is not there, or that MuJoCo refuses."""
     path = Path(file)
-    values: Mapping[str, Any] = {}
+    data: Mapping[str, Any] = {}
     if path.suffix.lower() == ".toml":
-        path, values = _map(path)
+        data = _map(path)
+        path = path.parent / data["model"]
     if not path.is_file():  # MuJoCo's own message for this is that of a parser
         raise UnityLinkError(f"plant mujoco:{path}: there is no such file")
     mujoco.set_mju_user_warning(_log.debug)  # else they go to a file in the working folder
@@ -54,11 +60,11 @@ def load_model(file: str) -> ModelFile:
         f"link {name} of {path.name} has no <inertial>; it has the mass of its shapes in water"
         for name in bare
     ]
-    return ModelFile(model, values, tuple(notes))
+    return ModelFile(path, model, data.get("values", {}), data.get("shared", False), tuple(notes))
 
 
-def _map(path: Path) -> tuple[Path, Mapping[str, Any]]:
-    """Return the model that a TOML names, which is in its folder or below, and its values."""
+def _map(path: Path) -> Mapping[str, Any]:
+    """Return what a TOML says. It names its model as seen from its own folder."""
     if not path.is_file():
         raise UnityLinkError(f"plant mujoco:{path}: there is no such file")
     try:
@@ -70,12 +76,14 @@ def _map(path: Path) -> tuple[Path, Mapping[str, Any]]:
             raise UnityLinkError(
                 f"plant mujoco:{path}: there is no key {key!r}; there are {', '.join(_KEYS)}"
             )
-    model, values = data.get("model"), data.get("values", {})
+    model = data.get("model")
     if not isinstance(model, str) or Path(model).suffix.lower() == ".toml":
         raise UnityLinkError(f'plant mujoco:{path}: it must name the model: model = "robot.xml"')
-    if not isinstance(values, Mapping):
+    if not isinstance(data.get("values", {}), Mapping):
         raise UnityLinkError(f'plant mujoco:{path}: `values` must be a table: [values."shoulder.position"]')
-    return path.parent / model, values
+    if not isinstance(data.get("shared", False), bool):
+        raise UnityLinkError(f"plant mujoco:{path}: shared is {data['shared']!r}; it must be true or false")
+    return data
 
 
 def _links_without_inertia(path: Path) -> list[str]:

@@ -12,42 +12,41 @@ from typing import Any
 import mujoco  # type: ignore[import-untyped]
 import numpy as np
 
-from unitylink.errors import UnityLinkError
 from unitylink.spec.model import Spec
 
 from ...registers import Registers
 from ..si_words import SiWords
 from .binding import bind
 from .model_file import load_model
+from .world import World
 
-LEAST_PERIOD_S = 0.001
-# how often position, velocity and acceleration were no numbers, or too large
-_FIRST_UNSTABLE = int(mujoco.mjtWarning.mjWARN_BADQPOS)
-_LAST_UNSTABLE = int(mujoco.mjtWarning.mjWARN_BADQACC)
 _log = logging.getLogger("unitylink.simulate")
 
 
 class MujocoPlant:
     """A model of MuJoCo (MJCF or URDF). `notes` names what belongs to nothing.
 
-    It steps every millisecond, or with the time step of the model if that is longer. Raises UnityLinkError
-    for a model that MuJoCo refuses, and if nothing in it belongs to a value.
+    Raises UnityLinkError for a model that MuJoCo refuses, and if nothing in it belongs to a value.
     """
 
     def __init__(self, file: str) -> None:
         self._file = file
-        loaded = load_model(file)
-        self.model = loaded.model
-        self._said = loaded.values
-        self._of_model = loaded.notes
-        self.data = mujoco.MjData(self.model)
-        self._unstable = self.data.warning.number[_FIRST_UNSTABLE : _LAST_UNSTABLE + 1]  # a view
-        step_s = float(self.model.opt.timestep)
-        self._at_once = max(1, round(LEAST_PERIOD_S / step_s))
-        self.period_s = self._at_once * step_s
+        self._loaded = load_model(file)
+        self._world = World(self._loaded.model)
+        self.period_s = self._world.period_s
         self.notes: tuple[str, ...] = ()
-        self._begun = False
+        self._steps: int | None = None  # of the world, as far as this board is; None before its first
         self._attached: tuple[int, int] | None = None
+
+    @property
+    def model(self) -> Any:
+        """The mujoco.MjModel."""
+        return self._world.model
+
+    @property
+    def data(self) -> Any:
+        """The mujoco.MjData, which moves."""
+        return self._world.data
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the values of joints, actuators and sensors."""
@@ -55,8 +54,13 @@ class MujocoPlant:
             self._start()
             return
         self._attached = id(spec), id(registers)
-        found = bind(spec, self.model, self._said, self._file)
-        self.notes = (*self._of_model, *found.notes)
+        loaded = self._loaded
+        if loaded.shared:
+            member = tuple(root.name for root in spec.roots) if spec else ()
+            self._world = World.shared_by(loaded.path, member, self._world)
+        found = bind(spec, self.model, loaded.values, self._file)
+        # what this board leaves free in a shared world may belong to another
+        self.notes = (*loaded.notes, *found.notes, *(() if loaded.shared else found.free))
         for note in self.notes:
             _log.warning("plant mujoco:%s: %s", self._file, note)
         driven = [one for one in found.moved if one.place.what == "actuator"]
@@ -86,54 +90,46 @@ class MujocoPlant:
 
     def _start(self) -> None:
         """Stand still where the model begins."""
-        joints = self.model.actuator_trnid[self._controls[self._limited], 0]
-        self.data.ctrl[self._controls[self._limited]] = self.data.qpos[self.model.jnt_qposadr[joints]]
-        mujoco.mj_forward(self.model, self.data)
-        self._show()
+        with self._world.lock:
+            joints = self.model.actuator_trnid[self._controls[self._limited], 0]
+            self.data.ctrl[self._controls[self._limited]] = self.data.qpos[self.model.jnt_qposadr[joints]]
+            mujoco.mj_forward(self.model, self.data)
+            self._show()
 
     def step(self, time_s: float) -> None:
         """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
         wanted = self._set_points.read()
-        if self._limits is not None:
-            now = self.data.ctrl[self._controls[self._limited]]
-            most = np.abs(self._limits.read()) * self.period_s
-            wanted[self._limited] = now + np.clip(wanted[self._limited] - now, -most, most)
-        self.data.ctrl[self._controls] = wanted
-        if self._begun:  # the first step is in the moment of the reset, so nothing has moved yet
-            mujoco.mj_step(self.model, self.data, self._at_once)
-        self._begun = True
-        self._check(time_s)
-        self._show()
+        with self._world.lock:
+            if self._limits is not None:
+                now = self.data.ctrl[self._controls[self._limited]]
+                most = np.abs(self._limits.read()) * self.period_s
+                wanted[self._limited] = now + np.clip(wanted[self._limited] - now, -most, most)
+            self.data.ctrl[self._controls] = wanted
+            # the first step is in the moment of the reset, so nothing has moved yet
+            self._steps = self._world.steps if self._steps is None else self._steps + 1
+            self._world.move_to(self._steps, time_s)
+            self._show()
 
     def reset(self) -> None:
         """Go back to the start of the model."""
-        mujoco.mj_resetData(self.model, self.data)
-        self._begun = False
+        with self._world.lock:
+            mujoco.mj_resetData(self.model, self.data)
+        self._steps = None
 
     def save(self) -> object:
         """Return all that the next steps depend on."""
         kind = mujoco.mjtState.mjSTATE_INTEGRATION
         numbers = np.empty(mujoco.mj_stateSize(self.model, kind))
         mujoco.mj_getState(self.model, self.data, numbers, kind)
-        return self._begun, numbers
+        return self._steps is not None, numbers
 
     def restore(self, state: Any) -> None:
         """Go on from what `save` has returned, of this model."""
-        self._begun, numbers = state
+        begun, numbers = state
+        self._steps = self._world.steps if begun else None
         mujoco.mj_setState(self.model, self.data, numbers, mujoco.mjtState.mjSTATE_INTEGRATION)
 
     def _show(self) -> None:
         for row, where, indices in self._rows:
             self._numbers[where] = row[indices]
         self._sensors.write(self._numbers)
-
-    def _check(self, time_s: float) -> None:
-        if not self._unstable.any():
-            return
-        size = np.abs(np.nan_to_num(self.data.qacc, nan=np.inf))
-        worst = int(np.argmax(size)) if size.size else 0
-        joint = self.model.joint(int(self.model.dof_jntid[worst])).name
-        raise UnityLinkError(
-            f"the model has become unstable at {time_s:.4f} s, first at joint {joint!r}; use a shorter "
-            "timestep, integrator implicitfast, or more armature and damping"
-        )
