@@ -43,18 +43,26 @@ def serving_options(command: Command) -> Command:
     return with_options(command, _OPTIONS)
 
 
-def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] = lambda: None) -> None:
-    """Announce `board` and wait for Ctrl-C or SIGTERM. `look` is called five times a second meanwhile.
+def serve(
+    board: Board,
+    announce: Callable[[], None],
+    look: Callable[[], object] = lambda: None,
+    tick_s: float | None = None,
+) -> None:
+    """Announce `board` and wait for Ctrl-C or SIGTERM.
+
+    `look` is called every `tick_s` meanwhile, by default five times a second. If it returns True, it is over.
 
     The output of `announce` is flushed, for programs that wait for it. Raises the error that ended the board.
     """
     with stopped_by_signals() as stop:  # before the announcement, because its reader may send a signal
         announce()
         sys.stdout.flush()
-        while not stop.wait(_TICK_S):
+        while not stop.wait(tick_s or _TICK_S):
             if board.error is not None:
                 raise board.error
-            look()
+            if look() is True:
+                break
     lag_s = board.statistics.time_slipped_s
     if lag_s >= _LAG_S:  # everything that it publishes stood still with its clock now and then
         lag = f"the clock of the board is late by {lag_s:.2f} s: this machine was too busy to run it in time"

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from unitylink.settings import SETTINGS
 
+from .model_view import ModelView, view_options
 from .output import json_option, print_json
 from .root_option import part_of, root_option
 from .serving import endpoint_of, serve, serving_options
@@ -43,6 +45,7 @@ def _setting_options(command: Callable[..., None]) -> Callable[..., None]:
     metavar="PLANT",
     help="What moves behind the registers: ramp, loopback, scara, FILE.py, mujoco:FILE.xml or a recording.",
 )
+@view_options
 @click.option("--rtl", is_flag=True, help="Serve the VHDL of the spec, compiled, instead of the twin.")
 @_setting_options
 @json_option("the address")
@@ -56,6 +59,9 @@ def command(
     anyone: bool,
     root: str | None,
     plant: str | None,
+    view: bool,
+    picture: Path | None,
+    film: Path | None,
     rtl: bool,
     as_json: bool,
     **settings: int | str | None,
@@ -79,6 +85,7 @@ def command(
       unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0 --anyone
       unitylink simulate arm.ul --rtl --tcp 5555 --plant loopback
       unitylink simulate two_arms.ul --root left_arm --tcp 5555
+      unitylink simulate arm.ul --plant mujoco:arm.xml --film arm.gif
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind, anyone)
     from unitylink.simulate import DEFAULT_PLANT, load_plant
@@ -87,8 +94,17 @@ def command(
     spec = part_of(load(spec_file), root)
     given = {name: value for name, value in settings.items() if value is not None}
     moving = load_plant(plant or DEFAULT_PLANT, spec)
+    shown = ModelView(moving, view, picture, film)
     with _board(rtl, spec, given, plant=moving, endpoint=endpoint, bind=address) as board:
-        serve(board, lambda: _announce(board, spec, spec_file, plant or DEFAULT_PLANT, as_json))
+        try:
+            serve(
+                board,
+                lambda: _announce(board, spec, spec_file, plant or DEFAULT_PLANT, as_json),
+                shown.look,
+                shown.tick_s,
+            )
+        finally:
+            shown.finish()
 
 
 def _board(rtl: bool, spec: Spec, settings: dict[str, int | str], **options: Any) -> Board:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from .film import Film, save_picture
 from .plant import MujocoPlant
 
-__all__ = ["MujocoPlant"]
+__all__ = ["Film", "MujocoPlant", "save_picture"]

@@ -118,16 +118,21 @@ class MujocoPlant:
 
     def save(self) -> object:
         """Return all that the next steps depend on."""
-        kind = mujoco.mjtState.mjSTATE_INTEGRATION
-        numbers = np.empty(mujoco.mj_stateSize(self.model, kind))
-        mujoco.mj_getState(self.model, self.data, numbers, kind)
-        return self._steps is not None, numbers
+        return self._steps is not None, self.snapshot()
 
     def restore(self, state: Any) -> None:
         """Go on from what `save` has returned, of this model."""
         begun, numbers = state
         self._steps = self._world.steps if begun else None
         mujoco.mj_setState(self.model, self.data, numbers, mujoco.mjtState.mjSTATE_INTEGRATION)
+
+    def snapshot(self) -> Any:
+        """Return the state of the model, mjSTATE_INTEGRATION, also from another thread."""
+        kind = mujoco.mjtState.mjSTATE_INTEGRATION
+        numbers = np.empty(mujoco.mj_stateSize(self.model, kind))
+        with self._world.lock:
+            mujoco.mj_getState(self.model, self.data, numbers, kind)
+        return numbers
 
     def _show(self) -> None:
         for row, where, indices in self._rows:
