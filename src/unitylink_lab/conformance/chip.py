@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A replay on bitstreams: the core is placed on an iCE40 HX8K, unpacked and compiled."""
+"""A replay on bitstreams: the core is placed on a chip, unpacked and compiled."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from unitylink._native import RtlDevice
 from unitylink.errors import ToolError
 from unitylink.gateware import netlist, ports_of
-from unitylink.simulate.bit.bare import on_chip
+from unitylink.simulate.bit.bare import HX8K, BareChip, on_chip
 from unitylink.simulate.rtl import RtlModel
 from unitylink.simulate.rtl.build import build_of_netlist
 
@@ -36,11 +36,17 @@ class ChipPlayer:
     """
 
     def __init__(
-        self, *, placed: bool = True, say: Callable[[str], None] = lambda _: None, protocol: str = "both"
+        self,
+        *,
+        placed: bool = True,
+        say: Callable[[str], None] = lambda _: None,
+        protocol: str = "both",
+        chip: BareChip = HX8K,
     ) -> None:
         self._placed = placed
         self._say = say
         self._protocol = protocol
+        self._chip = chip
 
     def __call__(
         self,
@@ -75,7 +81,7 @@ class ChipPlayer:
         verilog = netlist(_CORE, sources=[_HERE / f"{_CORE}.vhd"], generics=core, assertions=False)
         ports = {port.name: port.bits for port in ports_of(verilog, _CORE)}
         if self._placed:
-            verilog = on_chip(verilog, _CORE, self._say)
+            verilog = on_chip(verilog, _CORE, self._say, self._chip)
         sizes = {
             "ADDRESS_BITS": settings.get("address_bits", 8),
             "PORT_BITS": ports["address"],

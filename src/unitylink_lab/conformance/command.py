@@ -11,9 +11,10 @@ from unitylink.commands.output import json_option, print_json
 @click.command()
 @click.argument("file")
 @click.option("--rtl", is_flag=True, help="Ask the VHDL in GHDL instead of the twin.")
-@click.option("--bit", is_flag=True, help="Ask bitstreams for an iCE40 HX8K, unpacked and compiled.")
+@click.option("--bit", is_flag=True, help="Ask bitstreams, unpacked and compiled.")
+@click.option("--chip", type=click.Choice(["hx8k", "ecp5"]), default="hx8k", help="For which chip (hx8k).")
 @json_option("the report, with every exchange")
-def command(file: str, rtl: bool, bit: bool, as_json: bool) -> int:
+def command(file: str, rtl: bool, bit: bool, chip: str, as_json: bool) -> int:
     """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
 
     Required exchanges must be equal byte for byte, as far as the `compare` rule of each one asks. Where the
@@ -28,6 +29,7 @@ def command(file: str, rtl: bool, bit: bool, as_json: bool) -> int:
       unitylink conformance tests/conformance/classic-transcripts.json
       unitylink conformance tests/conformance/classic-transcripts.json --rtl
       unitylink conformance tests/conformance/classic-transcripts.json --bit
+      unitylink conformance tests/conformance/classic-transcripts.json --bit --chip ecp5
       unitylink conformance recordings.json --json > report.json
     """
     from unitylink.simulate.rtl.build import on_terminal
@@ -37,10 +39,12 @@ def command(file: str, rtl: bool, bit: bool, as_json: bool) -> int:
     if rtl and bit:
         raise click.UsageError("--rtl and --bit are two players: give one of them")
     if bit:
+        from unitylink.simulate.bit.bare import BARE_CHIPS
+
         from .chip import ChipPlayer
 
         say = on_terminal()
-        report = replay(file, ChipPlayer(say=say, protocol="classic"))
+        report = replay(file, ChipPlayer(say=say, protocol="classic", chip=BARE_CHIPS[chip]))
         say("")
     elif rtl:
         from .rtl import rtl_player

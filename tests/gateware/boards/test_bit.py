@@ -15,7 +15,8 @@ from unitylink.cli import main
 from unitylink.errors import BoardError, DeviceMismatch, ToolError, UrlError
 from unitylink.layer2_message import Link
 from unitylink.resources import resource_folder
-from unitylink.simulate.bit import Placed, placed
+from unitylink.simulate.bit import Chip, Placed, placed
+from unitylink.simulate.bit.pins import pin_map
 
 pytestmark = pytest.mark.xdist_group("boards")  # one process, so that its tests share the bitstream
 
@@ -87,6 +88,31 @@ def test_a_plant_has_the_words_at_the_pins(link: Link) -> None:
         registers[0x12]
 
 
+def test_words_are_at_the_pins_of_an_ecp5(spec: Path) -> None:
+    with connect(f"bit:{spec}?board=ulx3s:25f") as link:
+        pins = link.board.pins
+        assert link.board.configuration.clock_hz == 37_500_000, "the PLL makes it of 25 MHz"
+        link.write(0x12, 0xA5)
+        assert link.read(0x12) == 0xA5
+        for value in (1, 2, 3, 0):
+            link.write(0x10, value)
+            assert link.read(0x10) == value
+            assert (pins["LED0"], pins["LED1"]) == (bool(value & 1), bool(value & 2))
+        for name, bit in (("BTN1", 1), ("BTN2", 2), ("BTN3", 4)):
+            pins[name] = True
+            assert link.read(0x11) == bit
+            pins[name] = False
+        assert link.read(0x11) == 0
+
+
+def test_a_pin_without_a_word_gets_a_place_of_its_own_way() -> None:
+    chip = Chip("", 1, ("R1", "T1"), ("B2", "C2"))
+    places = pin_map(chip, load_board("ulx3s:25f"), {}, {})
+    given = {place.address for place in places.inputs.values()}
+    told = {place.address for place in (*places.levels.values(), *places.drives.values())}
+    assert not given & told, "a word is read or written, not both"
+
+
 def test_pins_that_are_not_there(link: Link) -> None:
     with pytest.raises(BoardError, match="pin LEDG: the design does not use it; did you mean LEDG_N"):
         link.board.pins["LEDG"]
@@ -123,8 +149,11 @@ def test_what_has_been_built(
     [
         ("", UrlError, "say for which board it is: board=NAME; there are ecp5-evn, "),
         ("?board=icebraker", BoardError, "no board is called 'icebraker'; did you mean icebreaker"),
-        ("?board=ulx3s:25f", BoardError, "ulx3s:25f has an ECP5: no tool here unpacks its bitstreams"),
-        ("?board=ecp5-ft2232h", BoardError, "no tool here unpacks"),
+        (
+            "?board=ecp5-ft2232h",
+            BoardError,
+            "its link is ft245_sync, and a bitstream is run with a UART only",
+        ),
         ("?board=icebreaker&fifo=16", UrlError, "fifo is for sim: and rtl:"),
         ("?board=icebreaker&physical=spi", UrlError, "the link of icebreaker is uart; leave physical= out"),
     ],

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 
 from unitylink.errors import ToolError
-from unitylink.simulate.bit.bare import DEVICE, place, with_ports
-from unitylink.simulate.bit.unpack import CELLS, check_driven, unpack
+from unitylink.simulate.bit.bare import HX8K, place, with_ports
+from unitylink.simulate.bit.chip import CELLS
+from unitylink.simulate.bit.ice40 import check_driven
 
 CLOCKS = 20_000
 WIDTHS = (16, 8, 4, 2)  # of a block RAM, by its mode
@@ -132,7 +133,7 @@ def test_a_design_equals_its_bitstream_and_a_turned_bit_is_seen(tmp_path: Path) 
     bitstream, sites = bytes.fromhex(placed["bitstream"]), placed["sites"]
 
     def unpacked(data: bytes, name: str) -> tuple[str, str]:
-        chip = unpack(data, device=DEVICE, package=None, clock_site=sites["clock"], clock_hz=1)
+        chip = HX8K.unpack(data, sites["clock"])
         text = with_ports(chip, verilog, "tiny", sites).removesuffix(CELLS.read_text("utf-8"))
         return re.sub(r"\bchip\b", f"{name}_chip", text).replace(
             "module tiny", f"module {name}"

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from .board import BitBoard
+from .chip import Chip
 from .pins import Pins
 from .place import Placed, placed, placed_in
-from .unpack import Chip, unpack
+from .unpack import unpack
 
 __all__ = ["BitBoard", "Chip", "Pins", "Placed", "placed", "placed_in", "unpack"]

@@ -24,14 +24,14 @@ class BitBoard(ModelBoard):
             link.write(0x40, 1)
             board.pins["LEDG_N"]
 
-    IceStorm unpacks it. Verilator compiles it, which takes half a minute the first time. Then it comes from
-    the cache. Device time is clocks over the rate that the bitstream's PLL makes. A UART is at the pins of
-    the link, and `pins` are the others. A plant has those words of the spec that are on pins, if `unitylink
-    build` made the logic around the link. Every other word is inside the chip.
+    IceStorm or Project Trellis unpacks it. Verilator compiles it, which takes half a minute the first time.
+    Then it comes from the cache. Device time is clocks over the rate that the bitstream's PLL makes. A UART
+    is at the pins of the link, and `pins` are the others. A plant has those words of the spec that are on
+    pins, if `unitylink build` made the logic around the link. Every other word is inside the chip.
 
-    Raises BoardError (the board has no unpacker, or the file is not a bitstream of its chip), DeviceMismatch
-    (it was built from another spec), ToolError (a program is missing, or the bitstream has a part that is not
-    modelled), and everything that Board raises.
+    Raises BoardError (the board's link is no UART, or the file is not a bitstream of its chip),
+    DeviceMismatch (it was built from another spec), ToolError (a program is missing, or the bitstream has a
+    part that is not modelled), and everything that Board raises.
     """
 
     def __init__(
@@ -55,13 +55,7 @@ class BitBoard(ModelBoard):
         say = progress if progress is not None else on_terminal()
         say("unpacking the bitstream")
         try:
-            chip = unpack(
-                placed.bitstream,
-                device=chip_board.device,
-                package=chip_board.package,
-                clock_site=chip_board.pins[chip_board.clock_pin].site,
-                clock_hz=chip_board.clock_hz,
-            )
+            chip = unpack(placed.bitstream, chip_board)
         finally:
             say("")
         words = {port: (address, bit) for port, (address, bit) in report.get("words", {}).items()}

@@ -150,3 +150,63 @@ module unitylink_line #(
     end
   end
 endmodule
+
+// A block RAM of an ECP5: 2048 entries of 9 bits, and two ports. A port of 36 or 18 bits has several entries, and the
+// lowest bits of its address are then its byte enables. A port of 4, 2 or 1 bits has a part of the lowest 8 bits. Mode
+// 0 keeps the output in a write, 1 shows what is written, 2 what was there before. With 36 bits there is one memory
+// that port A writes and port B reads, and the upper 18 bits are on the other port's data.
+module unitylink_ebr #(
+  parameter A_WIDTH = 18, parameter B_WIDTH = 18, parameter A_MODE = 0, parameter B_MODE = 0,
+  parameter [18431:0] FIRST = 0
+) (
+  input clock,
+  input cea, input wea, input [13:0] ada, input [17:0] dia, output [17:0] doa,
+  input ceb, input web, input [13:0] adb, input [17:0] dib, output [17:0] dob
+);
+  reg [8:0] memory [0:2047];
+  reg [35:0] word_a = 0, word_b = 0;
+  integer index;
+  initial for (index = 0; index < 2048; index = index + 1) memory[index] = FIRST[9 * index +: 9];
+
+  function [10:0] first(input integer width, input [13:0] address);
+    first = width == 36 ? {address[13:5], 2'b00} : width == 18 ? {address[13:4], 1'b0} : address[13:3];
+  endfunction
+  function [35:0] part(input integer width, input [13:0] address, input [35:0] entries);
+    case (width)
+      4: part = address[2] ? entries[7:4] : entries[3:0];
+      2: part = entries >> {address[2:1], 1'b0} & 3;
+      1: part = entries >> address[2:0] & 1;
+      default: part = entries;
+    endcase
+  endfunction
+  function [8:0] merged(input integer width, input [13:0] address, input [8:0] entry, input [8:0] data);
+    reg [8:0] ones;
+    reg [2:0] low;
+    begin
+      ones = width == 4 ? 15 : width == 2 ? 3 : width == 1 ? 1 : 511;
+      low = width == 4 ? {address[2], 2'b00} : width == 2 ? {address[2:1], 1'b0} : width == 1 ? address[2:0] : 0;
+      merged = entry & ~(ones << low) | (data & ones) << low;
+    end
+  endfunction
+
+  wire [10:0] at_a = first(A_WIDTH, ada), at_b = first(B_WIDTH, adb);
+  wire [35:0] old_a = {memory[at_a + 3], memory[at_a + 2], memory[at_a + 1], memory[at_a]};
+  wire [35:0] old_b = {memory[at_b + 3], memory[at_b + 2], memory[at_b + 1], memory[at_b]};
+  wire [35:0] given_a = {dib, dia}, given_b = {18'b0, dib};
+  wire [3:0] bytes_a = ~(cea & wea) ? 0 : A_WIDTH == 36 ? ada[3:0] : A_WIDTH == 18 ? {2'b00, ada[1:0]} : 4'b0001;
+  wire [3:0] bytes_b = ~(ceb & web) ? 0 : B_WIDTH == 18 ? {2'b00, adb[1:0]} : 4'b0001;
+
+  assign doa = B_WIDTH == 36 ? word_b[17:0] : word_a[17:0];
+  assign dob = B_WIDTH == 36 ? word_b[35:18] : word_b[17:0];
+
+  always @(posedge clock) begin
+    for (index = 0; index < 4; index = index + 1) begin
+      if (bytes_a[index]) memory[at_a + index] <= merged(A_WIDTH, ada, old_a[9 * index +: 9], given_a[9 * index +: 9]);
+      if (bytes_b[index]) memory[at_b + index] <= merged(B_WIDTH, adb, old_b[9 * index +: 9], given_b[9 * index +: 9]);
+    end
+    if (cea & (~wea | A_MODE == 2)) word_a <= part(A_WIDTH, ada, old_a);
+    if (cea & wea & A_MODE == 1) word_a <= given_a;
+    if (ceb & (~web | B_MODE == 2)) word_b <= part(B_WIDTH, adb, old_b);
+    if (ceb & web & B_MODE == 1) word_b <= given_b;
+  end
+endmodule

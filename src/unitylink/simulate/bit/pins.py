@@ -13,7 +13,7 @@ from unitylink.boards import Board
 from unitylink.errors import BoardError
 from unitylink.spec.report.suggest import nearest
 
-from .unpack import CELLS, Chip
+from .chip import CELLS, Chip
 
 TOP = "unitylink_pins"
 _POWER_UP_S = 0.0005  # a real chip needs longer for its configuration
@@ -62,10 +62,13 @@ def pin_map(
         if port in words and (found := _SHOWN.fullmatch(text))
     }
     line = _line(board)
-    free = _free_places({place.address for place in known.values()})
+    taken = {place.address for place in known.values()}
     inputs, outputs = ([site for site in sites if site not in line] for sites in (chip.inputs, chip.outputs))
+    free = _free_places(taken)
+    given = {site: known.get(site) or next(free) for site in inputs}
+    free = _free_places(taken | {place.address for place in given.values()})  # a word has one way
     return PinMap(
-        inputs={site: known.get(site) or next(free) for site in inputs},
+        inputs=given,
         levels={site: known.get(site) or next(free) for site in outputs},
         drives={site: next(free) for site in outputs},
     )

@@ -70,11 +70,6 @@ def placed_in(folder: Path) -> Placed:
 
 def check_runs(board: Board) -> None:
     """Raise BoardError if no bitstream of `board` can be run."""
-    if board.family != "ice40":
-        raise BoardError(
-            f"{board.name} has an {board.family.upper()}: no tool here unpacks its bitstreams. Take an iCE40 "
-            "board (icebreaker, ice40-hx8k), or rtl: for the VHDL itself"
-        )
     if board.physical != "uart":
         raise BoardError(
             f"{board.name}: its link is {board.physical}, and a bitstream is run with a UART only; "
