@@ -243,7 +243,9 @@ def test_the_design_uses_each_kind_of_memory(placed: tuple[bytes, dict[str, str]
             "a block RAM with a register at its output",
         ),
         (r"enum: (EBR\d).RSTAMUX INV", "", "a block RAM with a reset"),
-        (r"arc: CLK0 G_HPBX0000", "arc: CLK0 G_HPBX0100", "a flip-flop without a clock: row "),
+        (r"arc: CLK0 G_HPBX0000", "arc: CLK0 G_HPBX0100", "not modelled: nothing drives CLK0 of row "),
+        (r"arc: MUXCLK0 CLK0", "", "a flip-flop without a clock: row "),
+        (r"arc: G_([LRTB])DCC(\d+)CLKI", "enum: DCC_\\1\\2.MODE DCCA\n\\g<0>", "a clock with an enable"),
     ],
 )
 def test_what_is_not_modelled_is_refused(

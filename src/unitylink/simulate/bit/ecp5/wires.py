@@ -46,6 +46,7 @@ class Wires:
         self.live: Callable[[Wire], bool] = lambda wire: True
         self._set: dict[Wire, Wire] = {}
         self._constant: dict[Wire, str] = {}
+        self._gated: set[str] = set()
         self._joined: dict[Wire, list[Wire]] = defaultdict(list)
         self._known: dict[Wire, Wire | str | None] = {}
         in_use = {(tile.row, tile.column, tile.kind) for tile in configuration.tiles}
@@ -54,6 +55,9 @@ class Wires:
             for sink, source in tile.arcs.items():
                 self._connect(here, sink, source)
             for name, value in tile.values.items():
+                if value == "DCCA":
+                    side, number = name[4], name.partition(".")[0][5:]  # DCC_L3.MODE
+                    self._gated.add(f"G_CLKO_{side}DCC{number}")
                 if (found := _ROUTED.fullmatch(name)) and value in "01":
                     # the database names the bits of a reset or a clock that is always 1 by a 0
                     one = value == "1" or found[1].startswith(("JLSR", "JCLK"))
@@ -111,7 +115,12 @@ class Wires:
         if wire in self._constant:
             return self._constant[wire]
         if wire in self._set:
-            return self.source(self._set[wire])
+            if (begin := self.source(self._set[wire])) is None:
+                raise ToolError(
+                    "the bitstream uses a block of the chip that is not modelled: nothing drives "
+                    f"{wire[2]} of row {wire[0]}, column {wire[1]}"
+                )
+            return begin
         found = {begin for begin in self._begins(wire) if begin is not None}
         if len(found) > 1:
             row, column, name = wire
@@ -119,7 +128,9 @@ class Wires:
         return next(iter(found), None)
 
     def _begins(self, wire: Wire) -> Iterator[Wire | str | None]:
-        if wire[2].startswith("G_CLKO_"):  # a gate of a clock, which stands open
+        if wire[2].startswith("G_CLKO_"):  # behind the gate of a clock
+            if wire[2] in self._gated:
+                raise ToolError("the bitstream has a clock with an enable (DCCA): that is not modelled")
             yield self.source((*wire[:2], wire[2].replace("CLKO", "CLKI", 1)))
         elif not self._joined.get(wire):
             yield wire if self.live(wire) else None
