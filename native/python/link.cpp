@@ -405,6 +405,7 @@ void bind_link(nb::module_& module) {
   nb::class_<Link> link(module, "NativeLink");
   bind_framed(link);
   bind_line(link);
+  bind_loop(link);
   link.def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("write", &write, "address"_a, "value"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("read_many", &read_many, "addresses"_a, "atomic"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())

@@ -22,6 +22,8 @@ namespace nb = nanobind;
 void bind_framed(nb::class_<Link>& link);
 // Adds the methods about the line.
 void bind_line(nb::class_<Link>& link);
+// Adds the calls of a control loop.
+void bind_loop(nb::class_<Link>& link);
 
 constexpr std::uint64_t patience_ns = 100'000'000;  // a wait without a limit checks for Ctrl-C this often
 
@@ -44,6 +46,13 @@ inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle tim
     options.timeout_ns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(seconds * 1e9));
   }
   return options;
+}
+
+// Raises what a signal's handler has raised while a call waited, where the call itself has gone well.
+inline void raise_pending() {
+  if (PyErr_Occurred() != nullptr) {
+    throw nb::python_error();
+  }
 }
 
 inline void check_signals() {

@@ -74,6 +74,7 @@ void bind_line(nb::class_<Link>& link) {
               outcome = self.pass(until_ns);
             }
             raise_unless_ok(outcome);
+            raise_pending();
           },
           "until_ns"_a,
           "Waits until now_ns is `until_ns`. In steps, the boards and links of the process advance so far.")

@@ -338,6 +338,32 @@ BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
   return status;
 }
 
+std::size_t Board::get(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> words) {
+  const auto lock = enter();
+  for (std::size_t index = 0; index < std::min(addresses.size(), words.size()); ++index) {
+    const BusReply reply = device_->get(addresses[index]);
+    if (reply.status != BusStatus::ok) {
+      return index;
+    }
+    words[index] = reply.value;
+  }
+  return std::min(addresses.size(), words.size());
+}
+
+std::size_t Board::set(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words) {
+  const auto lock = enter();
+  const Clock before = device_->next_event();
+  std::size_t done = 0;
+  while (done < std::min(addresses.size(), words.size()) &&
+         device_->set(addresses[done], words[done]) == BusStatus::ok) {
+    ++done;
+  }
+  if (device_->next_event() < before) {
+    wake();
+  }
+  return done;
+}
+
 void Board::set_event(std::uint32_t group, bool high) {
   const auto lock = enter();
   device_->set_event(group, high);

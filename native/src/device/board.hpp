@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -68,6 +69,9 @@ class Board : private Lockstep::Member {
   [[nodiscard]] double time_s();
   BusReply get(std::uint32_t address);
   BusStatus set(std::uint32_t address, std::uint32_t value);
+  // Several of one moment. They return how many words it were, up to the first one that cannot be read, or set.
+  std::size_t get(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> words);
+  std::size_t set(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words);
   // For the state of a board that a new one gets: a word, and the plant's own clock. While the plant is held it makes
   // no step. release_plant() lets it go on as the other one would have gone on.
   BusStatus preset(std::uint32_t address, std::uint32_t value);

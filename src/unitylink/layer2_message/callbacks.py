@@ -71,7 +71,7 @@ class CallbackThread:
 
     def deliver_here(self) -> None:
         """Call the callbacks in this thread. It is for a link whose time goes in steps."""
-        if not self._native.in_steps or called_back():
+        if not self._subscriptions or not self._native.in_steps or called_back():
             return
         _here.calls = True
         try:

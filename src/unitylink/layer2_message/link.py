@@ -18,6 +18,7 @@ from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health, checked_spec, told_notice
 from .exchange_group import ExchangeGroup, Word
+from .link_loop import LinkLoop
 from .link_reset import LinkReset
 from .link_time import LinkTime
 from .mailbox import LoopMailbox
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from unitylink._native import NativeLink
 
 
-class Link(LinkReset, LinkTime):
+class Link(LinkReset, LinkTime, LinkLoop):
     """A connection to one device. Every method may be called from any thread.
 
     `checked` asks for a checksum. None means the default of the link, which is the URL option `crc`. `repeat`

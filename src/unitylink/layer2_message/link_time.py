@@ -82,10 +82,8 @@ class LinkTime:
             )
         if not 0 <= dt_s < MOST_STEP_S:
             raise ValueRangeError(f"a step of {dt_s} s; expected 0 to {MOST_STEP_S:g} s")
-        dt_ns, now_ns = round(dt_s * 1e9), self._native.now_ns
-        due_ns = self._stepped_ns + dt_ns
-        self._stepped_ns = due_ns if self._stepped_ns <= now_ns <= due_ns else now_ns + dt_ns
-        self._pass_until(self._stepped_ns)
+        self._stepped_ns = self._native.pass_step(self._stepped_ns, round(dt_s * 1e9))
+        self._callbacks.deliver_here()
 
     def pause_between_looks(self) -> None:
         """Let a moment pass before a word is read again to see whether something has happened.

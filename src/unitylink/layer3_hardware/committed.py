@@ -40,6 +40,8 @@ class CommittedProxy(HardwareProxy):
     kind = "committed memory"
     repeatable_writes = True
     commit_address = 0  # relative; the subclass or instance sets it
+    pending_bits = (0, 1)
+    """A mask of the word that a commit reads, and the bits that say that it waits. These say: never."""
     # how long the commit after a burst may take; the gateware takes it within one cycle
     commit_timeout_s = 0.5
 
@@ -122,12 +124,18 @@ class CommittedProxy(HardwareProxy):
             if address not in self._outputs:  # those have been checked
                 self._check_output(address)
         self._check_words(words)
+        self.write_burst(where, words, checked=checked, timeout_s=timeout_s)
+
+    def write_burst(
+        self, addresses: list[int], words: list[int], *, checked: bool | None, timeout_s: float | None
+    ) -> None:
+        """Write words that have been checked, as `write_many` does."""
         with self._lock:
             if self._staged is not None:
-                self._staged.update(zip(where, words, strict=True))
+                self._staged.update(zip(addresses, words, strict=True))
                 self._staged_checked = checked if checked is not None else self._staged_checked
-            elif where:
-                self._burst(dict(zip(where, words, strict=True)), checked, timeout_s)
+            elif addresses:
+                self._burst(dict(zip(addresses, words, strict=True)), checked, timeout_s)
 
     async def write_async(
         self, address: int, value: int, *, checked: bool | None = None, timeout_s: float | None = None
@@ -167,26 +175,21 @@ class CommittedProxy(HardwareProxy):
 
     def _burst(self, changes: dict[int, int], checked: bool | None, timeout_s: float | None) -> None:
         patience_s = self.commit_timeout_s if timeout_s is None else positive("timeout_s", timeout_s)
-        deadline = self.control.now_s() + patience_s
         self._forget_old()
         if not self._settled:
-            self._settle(deadline, committed=False)
+            self._settle(patience_s, committed=False)
         for address in changes:  # if this burst fails half-way, the next one must write these words too
             self._outputs.setdefault(address, None)
-        self._read_back(changes, timeout_s)
-        words = {address: word for address, word in self._outputs.items() if word is not None} | changes
+        words = self._all_words(changes, timeout_s)
         self._settled = False  # whatever happens from here on, check before the next burst
         commit = self.base + self.commit_address
-        addresses = [self.base + address for address in words]
+        addresses, values = [self.base + address for address in words], list(words.values())
         status = None
         try:
             if self._in_frames:  # in one message, and each message is executed once
-                writes = [*zip(addresses, words.values(), strict=True), (commit, 1)]
-                status = int(self.link.exchange((commit,), writes, timeout_s=timeout_s)[0])
+                status = self.link.commit(addresses, values, commit, self.pending_bits, timeout_s=timeout_s)
             else:
-                self.link.write_many(
-                    addresses, list(words.values()), checked=checked, repeat=True, timeout_s=timeout_s
-                )
+                self.link.write_many(addresses, values, checked=checked, repeat=True, timeout_s=timeout_s)
                 self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
         except OutcomeUnknown as error:
             # the commit may have happened, and a later return to the old values would be a jump
@@ -200,11 +203,12 @@ class CommittedProxy(HardwareProxy):
                 elapsed_s=error.elapsed_s,
             ) from error
         self._outputs.update(changes)
-        self._settle(deadline, committed=True, status=status)
+        self._settle(patience_s, committed=True, status=status)
         self._settled = True
 
     def _generation_now(self) -> tuple[int, int]:
-        return self.link.generation, self.control.generation
+        first = self.link.generation
+        return first, first if self.control is self.link else self.control.generation
 
     def _forget_old(self) -> None:
         """After a line has come back or a device has restarted, forget the shadow.
@@ -215,17 +219,21 @@ class CommittedProxy(HardwareProxy):
             self._outputs = dict.fromkeys(self._outputs)
             self._settled, self._generation = False, generation
 
-    def _read_back(self, changes: dict[int, int], timeout_s: float | None) -> None:
-        if None not in self._outputs.values():
-            return
-        unknown = [a for a, word in self._outputs.items() if word is None and a not in changes]
-        if unknown:
-            words = self.link.read_many(
-                [self.base + address for address in unknown], repeat=True, timeout_s=timeout_s
-            )
-            self._outputs.update(zip(unknown, (int(word) for word in words), strict=True))
+    def _all_words(self, changes: dict[int, int], timeout_s: float | None) -> dict[int, int]:
+        """Return all words that a commit writes. Read those that are unknown, and do not change."""
+        outputs = self._outputs
+        known = {address: word for address, word in outputs.items() if word is not None}
+        if len(known) < len(outputs):
+            unknown = [a for a, word in outputs.items() if word is None and a not in changes]
+            if unknown:
+                words = self.link.read_many(
+                    [self.base + address for address in unknown], repeat=True, timeout_s=timeout_s
+                )
+                outputs.update(zip(unknown, (int(word) for word in words), strict=True))
+                known = {address: word for address, word in outputs.items() if word is not None}
+        return known | changes
 
-    def _settle(self, deadline: float, *, committed: bool, status: int | None = None) -> None:
+    def _settle(self, patience_s: float, *, committed: bool, status: int | None = None) -> None:
         """Wait until no commit is pending. After our own commit (`committed`), raise if it was dropped.
 
         `status` is the status word, if it was read with the commit.

@@ -123,6 +123,18 @@ class HardwareProxy:
             timeout_s=timeout_s,
         )
 
+    def write_burst(
+        self, addresses: list[int], words: list[int], *, checked: bool | None, timeout_s: float | None
+    ) -> None:
+        """Write words that have been checked, as `write_many` does."""
+        self.link.write_many(
+            [self.base + address for address in addresses],
+            words,
+            checked=checked,
+            repeat=self.repeatable_writes,
+            timeout_s=timeout_s,
+        )
+
     async def read_async(
         self,
         address: int,

@@ -55,6 +55,7 @@ class TosNetProxy(CommittedProxy):
 
     kind = "tosnet"
     commit_address = protocol.TOSNET_STATUS
+    pending_bits = (_ONLINE | _HALTED | _PENDING, _ONLINE | _PENDING)
 
     def __init__(self, link: Link, base: int = 0, *, control: Link | None = None) -> None:
         super().__init__(link, base, words=1 << protocol.TOSNET_ADDRESS_BITS, control=control)
@@ -129,8 +130,8 @@ class TosNetProxy(CommittedProxy):
                 "commits and the asynchronous channel have methods of their own"
             )
 
-    def _settle(self, deadline: float, *, committed: bool, status: int | None = None) -> None:
-        started, polls = self.control.now_s(), 0
+    def _settle(self, patience_s: float, *, committed: bool, status: int | None = None) -> None:
+        started, polls = 0.0, 0
         while True:
             word = self.control.read(self.base + protocol.TOSNET_STATUS) if status is None else status
             polls, status = polls + 1, None
@@ -139,7 +140,8 @@ class TosNetProxy(CommittedProxy):
             if not word & _PENDING:
                 break
             now = self.control.now_s()
-            if now >= deadline:
+            started = now if polls == 1 else started
+            if now >= started + patience_s:
                 what = "this write takes effect when it does" if committed else "nothing was written"
                 raise LinkTimeout(
                     f"a commit is still pending after {(now - started) * 1e3:.0f} ms "

@@ -32,6 +32,7 @@ from .published import PublishedValue
 from .read_value import ReadValue
 from .sets import Sets
 from .snapshot import Snapshot
+from .sole import Burst, SoleLink
 from .value import Value
 from .write_value import WriteValue
 
@@ -81,6 +82,9 @@ class ValueGroup:
             number = sum(other.url == link.url for other in self._labels) + 1
             self._labels[link] = link.url if number == 1 else f"{link.url}#{number}"
         self._readings: dict[bool, dict[Link, Reading]] = {}
+        links = list(self._by_link)
+        self._sole = SoleLink(links[0], self._labels[links[0]], self.reads) if len(links) == 1 else None
+        self._burst = Burst.of(list(self.writes.values()))
         self._sets = Sets(self.reads, self._labels)
 
     def __iter__(self) -> Iterator[Value[Any]]:
@@ -123,20 +127,11 @@ class ValueGroup:
         Raises DeviceMismatch if one atomic read cannot hold them, unless `consistent` is False.
         """
         readings = self._reading(consistent)
-
-        def fetch(link: Link) -> tuple[float, list[int]]:
-            started = link.now_s()
-            words: list[int] = []
-            parts, checked, repeat = readings[link]
-            for addresses, atomic in parts:
-                read = link.read_many(
-                    addresses, atomic=atomic, checked=checked, repeat=repeat, timeout_s=timeout_s
-                )
-                words += read.tolist()
-            return (started + link.now_s()) / 2, words
-
         try:
-            fetched = at_once(self._by_link, [partial(fetch, link) for link in self._by_link])
+            if (sole := self._sole) is not None:
+                return sole.taken(*readings[sole.link].fetch(sole.link, timeout_s))
+            jobs = [partial(reading.fetch, link, timeout_s) for link, reading in readings.items()]
+            fetched = at_once(self._by_link, jobs)
         except LinkError as error:
             raise self._named(error)  # noqa: B904  the same error, now with its name
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
@@ -217,6 +212,12 @@ class ValueGroup:
         sent. Each hardware proxy gets one burst, on TosNet with one commit. All links are written at the same
         time.
         """
+        in_order = not named and isinstance(values, (list, tuple)) and len(values) == len(self.writes)
+        if self._burst is not None and in_order:
+            try:
+                return self._burst.write(values, timeout_s)  # type: ignore[arg-type]  # it is in order
+            except LinkError as error:
+                raise self._named(error)  # noqa: B904
         writes = self._words(values, named)
         batched = [hardware for hardware in writes if hardware.collects_here]
         by_link: dict[Link, list[HardwareProxy]] = {}
@@ -424,10 +425,6 @@ def _has_length(values: object) -> bool:
 
 def _keyword(key: str) -> str:
     return re.sub(r"\W+", "_", key)
-
-
-def _all_repeatable(values: Iterable[ReadValue[Any]]) -> bool:
-    return all(value.pollable and value.hardware.repeatable_reads for value in values)
 
 
 async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:

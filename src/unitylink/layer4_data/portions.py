@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .published import PublishedValue
 
 if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
     from .write_value import WriteValue
 
 
@@ -24,8 +26,22 @@ class Reading(NamedTuple):
         repeat = all(value.pollable and value.hardware.repeatable_reads for value in values)
         return cls(portions(values, consistent), any_checked(values), repeat)
 
+    def fetch(self, link: Link, timeout_s: float | None) -> tuple[float, list[int]]:
+        """Return the time in the middle of the reads, and the words."""
+        checked, repeat = self.checked, self.repeat
+        if len(self.portions) == 1:
+            addresses, atomic = self.portions[0]
+            return link.sample(addresses, atomic=atomic, checked=checked, repeat=repeat, timeout_s=timeout_s)
+        begun_s, words = link.now_s(), []
+        for addresses, atomic in self.portions:
+            read = link.read_many(
+                addresses, atomic=atomic, checked=checked, repeat=repeat, timeout_s=timeout_s
+            )
+            words += read.tolist()
+        return (begun_s + link.now_s()) / 2, words
 
-def any_checked(values: Iterable[PublishedValue]) -> bool | None:
+
+def any_checked(values: Iterable[PublishedValue | WriteValue[Any]]) -> bool | None:
     return True if any(value.checked for value in values) else None
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
 from typing import Any
 
 from unitylink.errors import UnknownName, shown
@@ -22,6 +22,9 @@ class Snapshot(Mapping[str, Any]):
     """
 
     __slots__ = ("_values", "sampled_s", "times_s")
+    _values: dict[str, Any]
+    times_s: dict[str, float]
+    sampled_s: dict[str, float]
 
     def __init__(
         self, values: Mapping[str, Any], times_s: Mapping[str, float], sampled_s: Mapping[str, float]
@@ -29,6 +32,15 @@ class Snapshot(Mapping[str, Any]):
         self._values = dict(values)
         self.times_s = dict(times_s)
         self.sampled_s = dict(sampled_s)
+
+    @classmethod
+    def of_one(cls, values: dict[str, Any], label: str, time_s: float) -> Snapshot:
+        """Return what was read on one link at one time. The dictionary becomes the snapshot's own."""
+        made = cls.__new__(cls)
+        made._values = values
+        made.times_s = {label: time_s}
+        made.sampled_s = dict.fromkeys(values, time_s)
+        return made
 
     @property
     def time_s(self) -> float:
@@ -46,6 +58,17 @@ class Snapshot(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._values)
+
+    # those of the dictionary are several times as quick as those of Mapping
+
+    def keys(self) -> KeysView[str]:
+        return self._values.keys()
+
+    def values(self) -> ValuesView[Any]:
+        return self._values.values()
+
+    def items(self) -> ItemsView[str, Any]:
+        return self._values.items()
 
     def __repr__(self) -> str:
         return f"Snapshot({self._values}, {self.times_s})"

@@ -147,10 +147,14 @@ class Board:
             return
         moved = plant.step
 
-        def step(time_s: float) -> None:
+        look = watch.look if watch else None
+
+        def moved_and_seen(time_s: float) -> None:
             moved(time_s)
-            if watch:
-                watch.look()
+            if look is not None:
+                look()
+
+        step = moved if look is None else moved_and_seen
 
         def guarded(time_s: float) -> bool:
             try:

@@ -70,10 +70,16 @@ class Registers:
     def write_many(self, addresses: Sequence[int], words: Sequence[int]) -> None:
         """Set the words at some addresses, in order."""
         most = 1 << self._data_bits
-        for address, word in zip(addresses, words, strict=True):
-            if not 0 <= word < most:
-                self[address] = word  # it takes a negative one, or raises the error
-        done = self._native.set_many(addresses, [word & most - 1 for word in words])
+        if type(words) is not list:
+            words = list(words)
+        if words and (min(words) < 0 or max(words) >= most):
+            for address, word in zip(addresses, words, strict=True):
+                if not 0 <= word < most:
+                    self[address] = word  # it takes a negative one, or raises the error
+            words = [word & most - 1 for word in words]
+        if len(addresses) != len(words):
+            raise ValueRangeError(f"{len(addresses)} addresses and {len(words)} words")
+        done = self._native.set_many(addresses, words)
         if done < len(words):
             self[addresses[done]] = words[done]
 

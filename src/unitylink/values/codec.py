@@ -87,6 +87,8 @@ class Codec:
             "bits": self._make_bits,
             "float": self._make_float,
         }.get(kind.kind, self._make_number)()
+        self.encoder = self._encode
+        """What `encode` calls, for loops."""
 
     def encode(self, value: Any) -> int:
         """Return the raw unsigned number of a value.
@@ -189,7 +191,7 @@ class Codec:
             raise ValueRangeError(
                 f"{self.name}: {_text(value)} is not an integer; round it first. Nothing was sent"
             ) from None
-        return self._within(number, value)
+        return number & self.mask if self.low <= number <= self.high else self._within(number, value)
 
     def _decode_whole(self, raw: int) -> int:
         return (raw ^ self.sign) - self.sign

@@ -108,6 +108,13 @@ class FarLine:
         operations = operations_of(_READ, _integers(addresses))
         return self._words(operations, flags_of(checked, not repeat, atomic), timeout_s)
 
+    def sample(
+        self, addresses: Any, atomic: bool, checked: bool | None, repeat: bool, timeout_s: float | None
+    ) -> tuple[float, list[int]]:
+        begun_s = self.now_s()
+        words = self.read_many(addresses, atomic, checked, repeat, timeout_s).tolist()
+        return (begun_s + self.now_s()) / 2, words
+
     def read_each(self, addresses: Any, checked: bool | None, repeat: bool, timeout_s: float | None) -> Words:
         return self.read_many(addresses, False, checked, repeat, timeout_s)
 

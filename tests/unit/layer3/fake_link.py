@@ -239,6 +239,11 @@ class FakeLink:
                 raise self.fail[address]
         return np.array([self.bus.read(a - self.base) for a in where], np.uint32)
 
+    def sample(self, addresses: Any, **options: Any) -> tuple[float, list[int]]:
+        begun_s = self.now_s()
+        words = self.read_many(addresses, **options).tolist()
+        return (begun_s + self.now_s()) / 2, words
+
     def write(
         self,
         address: int,

@@ -216,6 +216,8 @@ NOTHING_TO_TRY = {
     *("Node.record", "ReadValue.is_published", "ReadValue.take", "ReadValue.listeners", "ValueGroup.cycle"),
     *("ValueGroup.take", "ValueGroup.taken", "Cycle.close", "DeadMen.arm", "DoubleBufferProxy.batch"),
     *("TosNetProxy.batch", "TosNetProxy.commit", "WriteValue.take", "WriteValue.wrote"),
+    # a group calls it, with what it has checked
+    *(f"{kind}Proxy.write_burst" for kind in ("Memory", "Fifo", "DoubleBuffer", "TosNet")),
 }
 
 

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import copysign, sqrt
 
 _SERVO_RAD_S = 90.0  # bandwidth of the position loop with nominal inertia, critically damped
+_STIFFNESS, _DAMPING = _SERVO_RAD_S**2, 2 * _SERVO_RAD_S
 _FORCE_MARGIN = 2.0  # position of the mass, in the unit of the joint
 
 
@@ -41,37 +42,30 @@ class Axis:
     def step(self, set_point: float, speed_limit: float, inertia: float, dt_s: float) -> None:
         """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`. `inertia` is relative to
         nominal."""
-        self._step_profile(set_point, speed_limit, dt_s)
+        # It is written without calls: a plant in Python is the greatest part of a step of time (lockstep.md).
         joint, position, speed = self.joint, self.position, self.speed
-        most = _FORCE_MARGIN * joint.acceleration_limit
-        force = _SERVO_RAD_S**2 * (self._profile_position - position) + 2 * _SERVO_RAD_S * (
-            self._profile_speed - speed
-        )
-        speed += _within(-most, force, most) / inertia * dt_s
-        position += speed * dt_s
-        if not joint.low <= position <= joint.high:  # it is against a mechanical stop
-            position, speed = _within(joint.low, position, joint.high), 0.0
-        self.position, self.speed = position, speed
-
-    def _step_profile(self, set_point: float, speed_limit: float, dt_s: float) -> None:
-        joint, speed = self.joint, self._profile_speed
-        target = _within(joint.low, set_point, joint.high)
-        error = target - self._profile_position
+        low, high, acceleration = joint.low, joint.high, joint.acceleration_limit
+        profile_speed, profile = self._profile_speed, self._profile_position
+        # the profile
+        target = low if set_point < low else high if set_point > high else set_point
+        error = target - profile
         fastest = speed_limit if speed_limit < joint.speed_limit else joint.speed_limit
-        step_up = joint.acceleration_limit * dt_s
+        step_up = acceleration * dt_s
         # The highest speed from which the joint can still stop at the target, in whole steps.
-        braking = math.sqrt(step_up * step_up / 4 + 2 * joint.acceleration_limit * abs(error)) - step_up / 2
-        wanted = math.copysign(fastest if fastest < braking else braking, error)
-        if fastest > 0 and abs(error) <= abs(wanted) * dt_s + 1e-9 and abs(speed) <= 2 * step_up:
-            self._profile_position, self._profile_speed = target, 0.0
-            return
-        speed += _within(-step_up, wanted - speed, step_up)
-        self._profile_speed = speed
-        self._profile_position += speed * dt_s
-
-
-def _within(low: float, number: float, high: float) -> float:
-    """Return the number, or the limit that it is beyond. It is quicker than min and max."""
-    if number < low:
-        return low
-    return high if number > high else number
+        braking = sqrt(step_up * step_up / 4 + 2 * acceleration * abs(error)) - step_up / 2
+        wanted = copysign(fastest if fastest < braking else braking, error)
+        if fastest > 0 and abs(error) <= abs(wanted) * dt_s + 1e-9 and abs(profile_speed) <= 2 * step_up:
+            profile, profile_speed = target, 0.0
+        else:
+            more = wanted - profile_speed
+            profile_speed += -step_up if more < -step_up else step_up if more > step_up else more
+            profile += profile_speed * dt_s
+        self._profile_position, self._profile_speed = profile, profile_speed
+        # the servo and the mass
+        most = _FORCE_MARGIN * acceleration
+        force = _STIFFNESS * (profile - position) + _DAMPING * (profile_speed - speed)
+        speed += (-most if force < -most else most if force > most else force) / inertia * dt_s
+        position += speed * dt_s
+        if not low <= position <= high:  # it is against a mechanical stop
+            position, speed = low if position < low else high, 0.0
+        self.position, self.speed = position, speed

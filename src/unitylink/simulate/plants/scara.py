@@ -65,16 +65,17 @@ class ScaraPlant:
             raise UnityLinkError("plant scara: step() before attach()")
         # The further the forearm is stretched out, the heavier the arm is to turn.
         stretched = 0.75 + 0.25 * math.cos(math.radians(self.axes[1].position))
-        words = registers.read_many(self._commanded)
-        sign = self._sign
+        words = iter(registers.read_many(self._commanded))
+        sign, period_s = self._sign, self.period_s
         shown: list[int] = []
-        for index, axis in enumerate(self.axes):
+        for axis, set_point, speed_limit in zip(self.axes, words, words, strict=True):
             axis.step(
-                ((words[2 * index] ^ sign) - sign) / COUNTS_PER_UNIT,
-                words[2 * index + 1] / COUNTS_PER_UNIT,
-                axis.joint.inertia * (stretched if index == 0 else 1.0),
-                self.period_s,
+                ((set_point ^ sign) - sign) / COUNTS_PER_UNIT,
+                speed_limit / COUNTS_PER_UNIT,
+                axis.joint.inertia * stretched,
+                period_s,
             )
+            stretched = 1.0  # it is the shoulder that turns the arm
             shown += (round(axis.position * COUNTS_PER_UNIT), round(abs(axis.speed) * COUNTS_PER_UNIT))
         registers.write_many(self._measured, shown)
 
