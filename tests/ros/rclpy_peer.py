@@ -2,8 +2,9 @@
 """Do what `ros2 topic` and `ros2 service` do, with genuine rclpy. The wheels of ROS 2 have no command line.
 
 Each line of JSON on standard input is a question. A line on standard output answers it. The value of "ask" is
-one of four. "echo" with "topic" and "type" waits for a message. "pub" with "fields" publishes as soon as
-somebody listens. "call" calls a service. "graph" tells nodes, topics and the quality of service of a topic's
+one of five. "echo" with "topic" and "type" waits for a message. "pub" with "fields" publishes as soon as
+somebody listens. "call" calls a service. "sim_time" is a node with
+use_sim_time. "graph" tells nodes, topics and the quality of service of a topic's
 publishers.
 """
 
@@ -16,6 +17,7 @@ from typing import Any
 
 import rclpy
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 PATIENCE_S = 100.0
 
@@ -76,6 +78,22 @@ class Peer:
         answer = client.call_async(fill(kind(type, "srv").Request(), fields))
         self.until(answer.done)
         return plain(answer.result())
+
+    def sim_time(self, advance: float) -> Any:
+        """Follow /clock as every node with use_sim_time does, until it has gone on by `advance` seconds."""
+        follows = Parameter("use_sim_time", Parameter.Type.BOOL, True)
+        node = rclpy.create_node("follower", parameter_overrides=[follows])
+        times = [0]
+
+        def on() -> bool:
+            rclpy.spin_once(node, timeout_sec=0.05)
+            times.append(node.get_clock().now().nanoseconds)
+            first = next((one for one in times if one), 0)
+            return first > 0 and times[-1] >= first + advance * 1e9
+
+        self.until(on)
+        node.destroy_node()
+        return [one / 1e9 for one in times if one]
 
     def graph(self, topic: str = "") -> Any:
         qos = [one.qos_profile for one in self.node.get_publishers_info_by_topic(topic)] if topic else []

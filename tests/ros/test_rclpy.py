@@ -25,6 +25,12 @@ HERE = Path(__file__).parent
 JAZZY = HERE.parents[1] / "build" / "jazzy"
 MakeBoard = Callable[..., Board]
 PATIENCE_S = 120.0
+STILL = """
+class Plant:
+    period_s = 0.01
+    def attach(self, spec, registers): ...
+    def step(self, time_s): ...
+"""
 pytestmark = pytest.mark.xdist_group("jazzy")  # one workspace is built for all of these tests
 
 
@@ -182,6 +188,20 @@ def test_the_generated_node_on_rclpy(
         graph = peer("graph", topic="/rig/slow")
         assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
         assert peer("graph", topic="/rig/j_0/feedback")["reliability"] == ["BEST_EFFORT"]
+
+
+def test_a_board_in_steps_is_the_clock_of_ros(ros2: dict[str, str], peer: Peer, tmp_path: Path) -> None:
+    """A genuine node with use_sim_time follows the board's own time, and stamps are of that time."""
+    (tmp_path / "still.py").write_text(STILL)
+    link = f"link:=sim:{HERE / 'rig.ul'}?plant={tmp_path / 'still.py'}&time=lockstep"
+    node = (ros2["RIG_NODE"], "--ros-args", "-r", "__ns:=/rig", "-p", link, "-p", "speed:=2.0")
+    with running(ros2, JAZZY / "bin" / "python3", *node, log=tmp_path / "node.log"):
+        times = peer("sim_time", advance=0.5)
+        assert times == sorted(times) and 0.9 < times[0] < 500, "robot time begins at 1 s"
+        (states,) = peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+        stamp = states["header"]["stamp"]
+        assert times[-1] < stamp["sec"] + stamp["nanosec"] / 1e9 < times[-1] + 500
+        assert peer("graph", topic="/clock")["reliability"] == ["BEST_EFFORT"], "as ROS's own clocks"
 
 
 def test_the_node_in_cpp_compiles(workspace: dict[str, str]) -> None:

@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from unitylink.simulate import Board
 Ros = Any  # of conftest.py
 
 MakeBoard = Callable[..., Board]
-SPECS = {"walker18": Path(__file__).parents[2] / "examples" / "walker18" / "walker18_si.ul"}
+ROOT = Path(__file__).parents[2]
+SPECS = {"walker18": ROOT / "examples" / "walker18" / "walker18_si.ul"}
 NODES = ["node.py", "node"]
 pytestmark = pytest.mark.xdist_group("ros1")  # one workspace is built for all of these tests
 
@@ -59,6 +61,21 @@ def test_scara_moves_by_rostopic_pub(ros: Ros, board: MakeBoard, node: str) -> N
     assert device.registers[0x8E] == 77
     refused = ros.run("rosservice", "call", "/scara/write", "{names: [j3.pos], values: [77]}")
     assert "success: False" in refused and "j3.pos" in refused
+
+
+def test_a_board_in_steps_is_the_clock_of_ros(ros: Ros) -> None:
+    """With use_sim_time, genuine tools count the board's own time."""
+    ros.run("rosparam", "set", "/use_sim_time", "true")
+    spec = ROOT / "examples" / "scara" / "scara.ul"
+    url = f"sim:{spec}?plant=scara&time=lockstep"
+    ros.start("roslaunch", "scara_unitylink", "scara.launch", f"link:={url}")
+    clocks = re.findall(r"nsecs: *(\d+)", echo(ros, "/clock", 3))
+    steps = [(int(later) - int(earlier)) % 10**9 for earlier, later in pairwise(clocks)]
+    assert all(step and step % 10_000_000 == 0 for step in steps), clocks
+    stamped = re.search(r" secs: *(\d+)", echo(ros, "/scara/j1/feedback"))
+    assert stamped and 0 < int(stamped[1]) < 10_000, "the stamp is of robot time, which begins at 1 s"
+    asked = "import rospy; rospy.init_node('asks'); rospy.sleep(0.2); print(rospy.get_time())"
+    assert 1.0 < float(ros.run("python3", "-c", asked)) < 10_000
 
 
 @pytest.mark.parametrize("node", NODES)

@@ -20,6 +20,7 @@ from .dds_writer import Here, gathering_writer
 from .interface import Interface, Topic
 from .life import Life
 from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
+from .stamps import Stamps
 from .standard import definitions
 
 _log = logging.getLogger("unitylink.ros")
@@ -49,6 +50,7 @@ class DdsPlane:
         self._time = self.types["builtin_interfaces/Time"]
         self._here = Here()
         self.life = Life()
+        self.stamps = Stamps()
         # A service, such as set_safe, is answered even if the thread of the topics hangs.
         self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)
         self._services = DdsReader(self._participant, "the thread that answers services", self.life)
@@ -73,9 +75,11 @@ class DdsPlane:
         made = self.types[type_name]
         return made  # type: ignore[no-any-return]  # a dataclass takes its fields in order
 
+    def time(self, time_s: float) -> Any:
+        return self._time(*self.stamps.parts(time_s))
+
     def header(self, time_s: float, frame: str) -> Any:
-        ns = int((time.time() - time.monotonic() + time_s) * 1e9)
-        return self._header(self._time(ns // 1_000_000_000, ns % 1_000_000_000), frame)
+        return self._header(self._time(*self.stamps.parts(time_s)), frame)
 
     def level(self, level: int) -> int:
         return level

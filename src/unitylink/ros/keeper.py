@@ -76,7 +76,6 @@ class LinkKeeper:
                 try:
                     link = self._connect()
                     try:
-                        link.check_time_passes("a ROS node")
                         self._keep(link, self._begin(link, again))
                         again = True
                     finally:

@@ -19,10 +19,11 @@ from .health import Health, NodeState, health
 from .interface import Interface, Topic
 from .keeper import LinkKeeper
 from .life import DEVICE_S, Watch
-from .plane import READ, SET_BOOL, TRIGGER, WRITE, Plane
+from .plane import READ, SET_BOOL, TRIGGER, WRITE, Plane, Port
 from .receivers import Read, receiver
 from .senders import Send, sender
 from .session import RobotSession, SessionNeeds
+from .sim_clock import CLOCK
 from .values import read_values, write_values
 
 if TYPE_CHECKING:
@@ -38,7 +39,8 @@ class Options:
     After `command_timeout_s` without a command, the node makes the robot safe. With 0 it never does. After
     `deadman_s` without a sign of life from the node, the gateware does so. With 0 it never does.
     `safe_at_exit` writes the safe values when the node ends. If `armed` is False, no commands are taken
-    before `arm` is called.
+    before `arm` is called. The time of a virtual board in steps passes `speed` times as fast as real time;
+    with 0 as fast as it can.
     """
 
     command_timeout_s: float = 0.0
@@ -46,6 +48,7 @@ class Options:
     safe_at_exit: bool = True
     armed: bool = True
     retry_s: float = 1.0
+    speed: float = 1.0
 
 
 class RobotNode:
@@ -75,6 +78,7 @@ class RobotNode:
         self._build = build
         self._session: RobotSession | None = None
         self._complained_s = 0.0
+        self._clock: Port | None = None  # only for a board in steps
         self._lock = threading.Lock()
         self.senders: Sequence[tuple[Topic, Send]] = [
             (topic, sender(interface, topic, plane)) for topic in interface.published
@@ -103,10 +107,17 @@ class RobotNode:
             complain=self.complain,
             looked_after=self.make_safe_when_hanging,
             ended=self.leave,
+            speed=self.options.speed,
+            clock_port=self._clock_port,
         )
         session = RobotSession(needs, link, self._build(link), again=again)
         self._session = session
         return session
+
+    def _clock_port(self) -> Port:
+        if self._clock is None:
+            self._clock = self.plane.advertise(CLOCK)
+        return self._clock
 
     def leave(self, session: RobotSession) -> None:
         if self._session is session:

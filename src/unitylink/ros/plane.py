@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from .interface import Topic
 from .life import Life
+from .stamps import Stamps
 
 _log = logging.getLogger("unitylink.ros")
 TRIGGER, SET_BOOL, READ, WRITE = "std_srvs/Trigger", "std_srvs/SetBool", "Read", "Write"
@@ -57,13 +58,18 @@ class Plane(Protocol):
     """
 
     life: Life
+    stamps: Stamps
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
         """Return a function that makes a message from the values of its fields, in order."""
         ...
 
+    def time(self, time_s: float) -> Any:
+        """Return a time of a link, which is by default one of time.monotonic(), as a stamp."""
+        ...
+
     def header(self, time_s: float, frame: str) -> Any:
-        """Return a std_msgs/Header with a time of time.monotonic() as its stamp."""
+        """Return a std_msgs/Header with a time of a link as its stamp."""
         ...
 
     def level(self, level: int) -> Any:

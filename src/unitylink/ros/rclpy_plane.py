@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
@@ -14,6 +13,7 @@ from unitylink.errors import ToolError
 from .interface import Interface, Topic
 from .life import Life
 from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
+from .stamps import Stamps
 
 
 class RclpyPlane:
@@ -26,6 +26,7 @@ class RclpyPlane:
         self._time = self._message("builtin_interfaces/Time")
         self._qos = import_module("rclpy.qos")
         self.life = Life()
+        self.stamps = Stamps()
         # In a group of its own, a service such as set_safe is answered even if a callback of a topic hangs.
         self._services = import_module("rclpy.callback_groups").MutuallyExclusiveCallbackGroup()
 
@@ -40,10 +41,12 @@ class RclpyPlane:
         made, names = self._message(type_name), tuple(fields)
         return lambda *values: made(**dict(zip(names, values, strict=True)))
 
+    def time(self, time_s: float) -> Any:
+        seconds, ns = self.stamps.parts(time_s)
+        return self._time(sec=seconds, nanosec=ns)
+
     def header(self, time_s: float, frame: str) -> Any:
-        ns = int((time.time() - time.monotonic() + time_s) * 1e9)
-        stamp = self._time(sec=ns // 1_000_000_000, nanosec=ns % 1_000_000_000)
-        return self._header(stamp=stamp, frame_id=frame)
+        return self._header(stamp=self.time(time_s), frame_id=frame)
 
     def level(self, level: int) -> bytes:
         return bytes([level])  # type of `byte` in ROS 2's Python

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
@@ -19,6 +18,7 @@ from .life import Life
 from .node import RobotNode
 from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
 from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
+from .stamps import Stamps
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -46,6 +46,7 @@ class RospyPlane:
         self._time = _module("genpy").Time
         self._header = _module("std_msgs.msg").Header
         self.life = Life()
+        self.stamps = Stamps()
 
     def message(self, type_name: str) -> Any:
         package, _, name = type_name.partition("/")
@@ -61,9 +62,11 @@ class RospyPlane:
             )
         return made  # type: ignore[no-any-return]  # a message class takes its fields in order
 
+    def time(self, time_s: float) -> Any:
+        return self._time(*self.stamps.parts(time_s))
+
     def header(self, time_s: float, frame: str) -> Any:
-        ns = int((time.time() - time.monotonic() + time_s) * 1e9)
-        return self._header(0, self._time(ns // 1_000_000_000, ns % 1_000_000_000), frame)
+        return self._header(0, self._time(*self.stamps.parts(time_s)), frame)
 
     def level(self, level: int) -> int:
         return level
@@ -138,7 +141,7 @@ def run(
     told = plane.advertise(DIAGNOSTICS)
     try:
         while not rospy.is_shutdown() and not node.keeper.ended.is_set():
-            told.send(diagnostics(plane, rospy.get_name(), node.health(), time.monotonic()))
+            told.send(diagnostics(plane, rospy.get_name(), node.health(), plane.stamps.now_s()))
             node.keeper.ended.wait(DIAGNOSTICS_PERIOD_S)
     except rospy.ROSException:  # a publish while ROS shuts down
         if not rospy.is_shutdown():

@@ -123,7 +123,7 @@ def run_dds(
         name = f"{namespace.rstrip('/')}/unitylink"
         try:
             while not stop.is_set() and not node.keeper.ended.is_set():
-                told.send(diagnostics(plane, name, node.health(), time.monotonic()))
+                told.send(diagnostics(plane, name, node.health(), plane.stamps.now_s()))
                 stop.wait(DIAGNOSTICS_PERIOD_S)
         finally:
             node.close()
@@ -155,7 +155,7 @@ def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: 
                 plane.life.beat("the thread of the diagnostics", DEVICE_S)
                 if time.monotonic() >= due_s:
                     due_s = time.monotonic() + DIAGNOSTICS_PERIOD_S
-                    name, now_s = ros.get_fully_qualified_name(), time.monotonic()
+                    name, now_s = ros.get_fully_qualified_name(), plane.stamps.now_s()
                     told.send(diagnostics(plane, name, node.health(), now_s))
                 plane.life.beat("the executor")
                 executor.spin_once(timeout_sec=0.1)

@@ -17,8 +17,9 @@ from .dead_man import DeadManGuard
 from .inbox import Inbox
 from .interface import Interface, Topic
 from .outbox import Outbox
-from .plane import Plane
+from .plane import Plane, Port
 from .senders import Send
+from .sim_clock import SimClock
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -37,6 +38,8 @@ class SessionNeeds:
     complain: Callable[[str], None]
     looked_after: Callable[[RobotSession], None]  # called each time the keeper checks the session
     ended: Callable[[RobotSession], None]
+    speed: float = 1.0
+    clock_port: Callable[[], Port] | None = None  # None: no time is told
 
 
 class RobotSession:
@@ -72,10 +75,15 @@ class RobotSession:
             current=self._current,
             life=needs.plane.life,
         )
+        self._clock: SimClock | None = None
         try:
             tree.start_publishing(fallback=True)
-            with suppress(DeviceMismatch):  # mapped memory has no line
-                link.watch_program(needs.plane.life.patience_s)
+            if link.in_steps and needs.clock_port is not None:
+                self._clock = SimClock(link, needs.plane, needs.clock_port(), needs.speed)
+                self._clock.start()
+            if not link.in_steps:  # there a second of the board may be over in no time
+                with suppress(DeviceMismatch):  # mapped memory has no line
+                    link.watch_program(needs.plane.life.patience_s)
         except BaseException:
             self.close()
             raise
@@ -113,6 +121,8 @@ class RobotSession:
         self._make_fit(True)
 
     def close(self) -> None:
+        if self._clock is not None:
+            self._clock.close()
         self._needs.ended(self)
         self.outbox.close()
         self.inbox.close()

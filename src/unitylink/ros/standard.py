@@ -12,6 +12,7 @@ Fields = tuple[tuple[str, str], ...]
 STANDARD: dict[str, Fields] = {
     **{f"std_msgs/{name}": (("data", primitive),) for primitive, name in SCALARS.items()},
     "builtin_interfaces/Time": (("sec", "int32"), ("nanosec", "uint32")),
+    "rosgraph_msgs/Clock": (("clock", "builtin_interfaces/Time"),),
     "std_msgs/Header": (("stamp", "builtin_interfaces/Time"), ("frame_id", "string")),
     "sensor_msgs/JointState": (
         ("header", "std_msgs/Header"),

@@ -13,6 +13,7 @@ from typing import Any
 from unitylink.ros.interface import Topic
 from unitylink.ros.life import Life
 from unitylink.ros.plane import Port
+from unitylink.ros.stamps import Stamps
 
 PATIENCE_S = 30.0
 
@@ -27,10 +28,14 @@ class MemoryPlane:
         self.said: list[tuple[int, str]] = []
         self._changed = threading.Condition()
         self.life = Life()
+        self.stamps = Stamps()
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
         names = tuple(fields)
         return lambda *values: SimpleNamespace(**dict(zip(names, values, strict=True)))
+
+    def time(self, time_s: float) -> Any:
+        return self.stamps.parts(time_s)
 
     def header(self, time_s: float, frame: str) -> Any:
         return (time_s, frame)
