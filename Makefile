@@ -35,6 +35,7 @@
 #                their messages)
 #   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads (KINDS=thread:
 #                with this one)
+#   make lerobot works with LeRobot itself, in build/lerobot (5.4 GB, ten minutes the first time)
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is
 #                SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
@@ -63,7 +64,7 @@ TESTS ?= tests
 .PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet \
 	demo-ros test \
 	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
-	fresh page demo-serve help
+	fresh page demo-serve lerobot help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -218,6 +219,10 @@ mutants: $(NATIVE)/.built
 
 soak: $(VENV)/.built
 	$(BIN)/unitylink faults --messages $(MESSAGES) --seed $(SEED) --jobs 2
+
+lerobot: $(VENV)/.built
+	@tools/setup.sh group test
+	@tools/lerobot.sh
 
 sbom: $(VENV)/.built
 	$(BIN)/python tools/sbom.py > build/sbom.cdx.json

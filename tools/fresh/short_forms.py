@@ -29,6 +29,7 @@ SHORT_FORMS = {
     "boards": "",
     "fuzz": "SECONDS=2 STRINGS=20000 MESSAGES=1000",
     "sanitize": "KINDS=thread",
+    "lerobot": "",
     "soak": "MESSAGES=200000",
     "mutants": "SAMPLE=3",
     "wheel": "",

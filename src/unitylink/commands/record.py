@@ -16,6 +16,7 @@ from unitylink.errors import LinkError
 from unitylink.output_file import check_output
 from unitylink.program import ended_by_signals
 
+from .lerobot_recording import record_episode
 from .link_option import link_argument, open_target, spec_option
 from .output import force_option, json_option, print_json
 from .sampling_options import count_option, duration_option, rate_option, sampled_items
@@ -39,6 +40,10 @@ _FLUSH_S = 0.5  # s between two writes; a program that is killed loses at most s
 @click.argument("names", metavar="[NAME...]", nargs=-1)
 @spec_option
 @click.option("--out", metavar="FILE", help="FILE.mcap or FILE.csv. By default the spec's name and the time.")
+@click.option(
+    "--lerobot", metavar="DIR", help="Add an episode to a data set of LeRobot, --rate frames a second."
+)
+@click.option("--task", default="", metavar="TEXT", help="What the robot does in the episode (--lerobot).")
 @force_option
 @rate_option
 @count_option
@@ -50,6 +55,8 @@ def command(
     names: tuple[str, ...],
     spec_file: str | None,
     out: str | None,
+    lerobot: str | None,
+    task: str,
     force: bool,
     rate_hz: float,
     count: int | None,
@@ -68,9 +75,30 @@ def command(
       unitylink record sim:arm.ul --out arm.mcap --duration 10
       unitylink record tcp://127.0.0.1:5555 '*.position' --spec arm.ul --out arm.csv
       unitylink replay arm.mcap --tcp 5555
+      unitylink record tcp://127.0.0.1:5555 --spec arm.ul --lerobot data/arm --rate 50 --task "reach"
     """
     from unitylink.recording import Sample, check_name, create
 
+    if lerobot is not None:
+        if out is not None or force:
+            raise click.UsageError("--lerobot has a folder of its own; leave out --out and --force")
+        from unitylink.recording.lerobot_dataset import need_library
+
+        need_library()
+        with ended_by_signals(), open_target(link, spec_file) as target:
+            code = record_episode(
+                target,
+                names,
+                lerobot,
+                rate_hz=rate_hz,
+                task=task or "recorded",
+                count=count,
+                duration_s=duration_s,
+                as_json=as_json,
+            )
+        click.get_current_context().exit(code)
+    if task:
+        raise click.UsageError("--task is for --lerobot")
     # checked before the device is asked for anything
     check_name(out if out is not None else "recording.mcap")
     if out is not None:

@@ -26,6 +26,7 @@ from .c import c_files
 from .cpp import cpp_files
 from .html import html_files
 from .json import json_files
+from .lerobot import lerobot_files
 from .python import python_files
 from .ros1 import ros1_files
 from .ros2 import ros2_files
@@ -76,6 +77,7 @@ ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
         "html": Artefact(html_files),
         "ros1": Artefact(ros1_files),
         "ros2": Artefact(ros2_files),
+        "lerobot": Artefact(lerobot_files),
     }
 )
 DEFAULT = ("python",)  # made by default, because a program needs it
