@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from .brushless_data import BrushlessData
 from .dc_motor_data import DcMotorData
 from .gear import Gear
 from .rc_servo import RcServoData
@@ -64,6 +65,34 @@ MOTORS: dict[str, DcMotorData] = {
             inductance_mh=1.5,
             source="Pololu datasheet 37D Metal Gearmotors, revision 1.2, item 4750 without a gear",
             estimated=("rotor_inertia_g_cm2", "inductance_mh"),
+        ),
+    )
+}
+
+BRUSHLESS: dict[str, BrushlessData] = {
+    one.name: one
+    for one in (
+        BrushlessData(
+            "GBM2804H-100T",
+            pole_pairs=7,
+            resistance_ohm=5.29,
+            inductance_mh=1.05,
+            flux_mwb=5.4,
+            rotor_inertia_g_cm2=30.0,
+            friction_mnm=1.0,
+            source="iPower GBM2804H-100T, a gimbal motor, as measured for the motor tables of NuttX and ST",
+            estimated=("rotor_inertia_g_cm2", "friction_mnm"),
+        ),
+        BrushlessData(
+            "Mini Cheetah",
+            pole_pairs=21,
+            resistance_ohm=0.13,
+            inductance_mh=0.025,
+            flux_mwb=2.5,
+            rotor_inertia_g_cm2=630.0,
+            friction_mnm=5.0,
+            source="MIT Mini Cheetah, its actuator without the gear of 6, as in its firmware and simulator",
+            estimated=("friction_mnm",),
         ),
     )
 }
