@@ -34,16 +34,14 @@ class StepgenRamp {
   [[nodiscard]] bool is_waiting() const noexcept { return state_ == State::waiting; }
   [[nodiscard]] bool is_near(std::uint32_t axis) const noexcept { return (near_ >> axis & 1u) != 0; }
   [[nodiscard]] std::uint32_t moving() const noexcept { return moving_; }
-  [[nodiscard]] bool looks() const noexcept { return from_motion() && !executes_; }
+  [[nodiscard]] bool looks() const noexcept { return from_motion() && starts(); }
   [[nodiscard]] bool shifts() const noexcept { return state_ == State::await_shift; }
   // Does it use the memory of the parameters in this clock?
-  [[nodiscard]] bool uses_words() const noexcept {
-    return writes() || (is_instruction() && !executes_ && !from_motion());
-  }
+  [[nodiscard]] bool uses_words() const noexcept { return writes() || (starts() && !from_motion()); }
 
   void ask(StepgenMotion::Asked& asked) const noexcept {
-    asked.put_velocity = state_ == State::write_next;
-    asked.put_shift = state_ == State::put_shift;
+    asked.put_velocity = state_ == State::write_next && is_settled();
+    asked.put_shift = state_ == State::put_shift && is_settled();
     asked.data = sum_;
     asked.axis = number_;
     asked.bank = bank_;
@@ -56,12 +54,14 @@ class StepgenRamp {
   // `look_data` is of before this clock. A bit of `enabled` and `shifting` is an axis.
   void clock(Words& words, const StepgenMotion::Told& told, std::uint32_t look_data, std::uint32_t enabled,
              std::uint32_t shifting) noexcept {
-    if (state_ == State::waiting && !executes_) {
+    if (state_ == State::waiting && !executes_ && !adds_) {
       count(told.base);
       return;  // most clocks
     }
     const State state = state_;
     const bool executes = executes_;
+    const bool settled = is_settled();
+    const bool begins = starts();
     const std::uint32_t sum = sum_;
     const std::uint32_t number = number_;
     const Instruction now = instruction(sum);
@@ -81,30 +81,28 @@ class StepgenRamp {
       speed_ = speed_ << 1 & speed_mask;
     }
 
-    if (executes) {
-      std::uint32_t operand = then_.from_motion ? look_data : read_data_;
-      operand = then_.minus ? ~operand : operand;
+    if (adds_) {
       const std::uint32_t before = then_.kept == Kept::none ? 0 : then_.kept == Kept::sum ? sum : sum << 1;
-      sum_ = before + operand + (then_.carry ? 1u : 0u);
+      sum_ = before + operand_ + (then_.carry ? 1u : 0u);
     }
-    then_ = now;
-    executes_ = now.instructs && !executes && (told.looked || !now.from_motion);
+    operand_ = then_.from_motion ? look_data : read_data_;
+    operand_ = then_.minus ? ~operand_ : operand_;
     const std::uint32_t data = read_data_;
-    if (now.instructs && !executes && !now.from_motion) {
+    if (begins && !now.from_motion) {
       read_data_ = words[number][now.word];
     }
     if (writes()) {
       words[number][state == State::write_goal ? goal : state == State::write_next ? following() : reserve] = sum;
     }
+    then_ = now;
+    executes_ = begins && (told.looked || !now.from_motion);
+    adds_ = executes;
     if (!executes) {
       keep_first(state, negative, sum);
     }
-    advance(state, now.after, executes, negative, told.put);
+    advance(state, now.after, executes, settled, negative, told.put);
     if (executes) {
-      keep_second(state, data, look_data, (enabled >> number & 1u) != 0);
-    } else if (state == State::add_way && is_certain(sum) && place_ != places - 1) {
-      executes_ = false;
-      state_ = State::judge;
+      keep_second(state, data, look_data, sum, (enabled >> number & 1u) != 0);
     }
     end(state, number, (shifting >> number & 1u) != 0, told);
   }
@@ -160,9 +158,14 @@ class StepgenRamp {
   [[nodiscard]] bool from_motion() const noexcept {
     return state_ == State::load_phase || state_ == State::load_position;
   }
-  [[nodiscard]] bool writes() const noexcept {
+  [[nodiscard]] bool is_writing() const noexcept {
     return state_ == State::write_goal || state_ == State::write_next || state_ == State::write_reserve;
   }
+  [[nodiscard]] bool writes() const noexcept { return is_writing() && is_settled(); }
+  [[nodiscard]] bool is_settled() const noexcept {
+    return !adds_ || state_ == State::add_way || state_ == State::take_speed;
+  }
+  [[nodiscard]] bool starts() const noexcept { return is_instruction() && !executes_ && is_settled(); }
   [[nodiscard]] bool is_instruction() const noexcept {
     switch (state_) {
       case State::waiting:
@@ -170,7 +173,7 @@ class StepgenRamp {
       case State::finish:
       case State::put_shift:
       case State::await_shift: return false;
-      default: return !writes();
+      default: return !is_writing();
     }
   }
   [[nodiscard]] Word current() const noexcept { return bank_ ? next : velocity; }
@@ -239,9 +242,9 @@ class StepgenRamp {
     }
   }
 
-  void advance(State state, State after, bool executes, bool negative, bool put) noexcept {
+  void advance(State state, State after, bool executes, bool settled, bool negative, bool put) noexcept {
     switch (state) {
-      case State::write_goal: state_ = State::load_change; break;
+      case State::write_goal: state_ = settled ? State::load_change : state; break;
       case State::write_next:
         moves_ = sum_ != 0;
         if (put) {
@@ -251,11 +254,13 @@ class StepgenRamp {
       case State::write_reserve:
         place_ = places - 1;
         speeds_ = false;
-        state_ = State::add_way;
+        state_ = settled ? State::add_way : state;
         break;
       case State::judge:
-        brakes_ = brakes_ || negative;
-        state_ = negative ? State::load_goal : State::finish;
+        if (settled) {
+          brakes_ = brakes_ || negative;
+          state_ = negative ? State::load_goal : State::finish;
+        }
         break;
       case State::finish: {
         const std::uint32_t bit = 1u << number_;
@@ -274,7 +279,7 @@ class StepgenRamp {
   }
 
   // What the second clock keeps.
-  void keep_second(State state, std::uint32_t data, std::uint32_t look_data, bool enabled) noexcept {
+  void keep_second(State state, std::uint32_t data, std::uint32_t look_data, std::uint32_t sum, bool enabled) noexcept {
     if (state == State::load_control) {
       goes_ = (data & 1u) != 0 && enabled;
       to_target_ = (data & 2u) == 0;
@@ -284,6 +289,9 @@ class StepgenRamp {
     } else if (state == State::take_speed) {
       speeds_ = speeds_ || place_ == speed_bits;
       place_ -= place_ > 0 ? 1 : 0;
+    } else if (state == State::add_way && is_certain(sum) && place_ != places - 1) {
+      adds_ = false;
+      state_ = State::judge;
     }
   }
 
@@ -302,6 +310,7 @@ class StepgenRamp {
       bank_ = !bank_;
       number_ = 0;
       executes_ = false;
+      adds_ = false;
       state_ = State::load_control;
     }
     count_ = (count_ + (base ? 1 : 0)) & count_mask_;
@@ -309,11 +318,11 @@ class StepgenRamp {
 
   std::uint32_t axes_, phase_bits_, count_mask_;
   State state_ = State::waiting;
-  bool executes_ = false;
+  bool executes_ = false, adds_ = false;  // the second and the third clock of an instruction
   Instruction then_;
   std::uint32_t number_ = 0, count_ = 0;
   bool bank_ = false;
-  std::uint32_t read_data_ = 0, sum_ = 0, speed_ = 0, place_ = 0;
+  std::uint32_t read_data_ = 0, operand_ = 0, sum_ = 0, speed_ = 0, place_ = 0;
   std::uint64_t way_ = 0;
   bool speeds_ = false, goes_ = false, to_target_ = false, brakes_ = false, borrow_ = false, arrived_ = false;
   bool moves_ = false, goal_down_ = false, way_down_ = false, slower_ = false;

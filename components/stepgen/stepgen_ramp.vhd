@@ -12,7 +12,9 @@
 -- products bit by bit, from the highest bits on, in one accumulator. It ends as soon as the sign is certain. So a
 -- change of target, speed or acceleration takes effect at once, whatever the axis does.
 --
--- An instruction takes two clocks: its address, then its sum. The bus may read the parameters in the other clocks.
+-- An instruction takes three clocks: its address, its operand, and its sum. The third one is the first one of the next
+-- instruction if both belong to the comparison, because nothing there waits for a sum. The bus may read the parameters
+-- in the clocks without an address.
 --
 -- Ports     read_word, read_axis: the word that the ramp wants while `reads` is high. read_data has it in the next
 --           clock. write_word: where `result` goes while `writes` is high. store: result is a velocity, for the bank
@@ -73,7 +75,7 @@ architecture rtl of stepgen_ramp is
   constant phase_bits  : positive := fraction_bits + base_bits(axes, clock_hz);
   constant way_bits    : positive := 32 + fraction_bits;
   constant places      : positive := way_bits + 15;                  -- of the products
-  constant pass_clocks : positive := 340;
+  constant pass_clocks : positive := 360;
 
   type state_t is (
     waiting, load_control, load_phase, load_target, load_position, load_velocity_target, load_size, compare_speed,
@@ -82,10 +84,14 @@ architecture rtl of stepgen_ramp is
 
   signal state    : state_t := waiting;
   signal after_it : state_t;                        -- the instruction
-  signal executes : std_ulogic := '0';              -- the second clock of an instruction
+  signal starts   : std_ulogic;                     -- the first clock of an instruction
+  signal executes : std_ulogic := '0';              -- the second one
+  signal adds     : std_ulogic := '0';              -- the third one
+  signal settled  : std_ulogic;                     -- the state may go on: it needs no sum that is still to come
   signal number   : natural range 0 to axes - 1 := 0;
   signal count    : unsigned(base_bits(axes, clock_hz) - ramp_bits - 1 downto 0) := (others => '0');
 
+  signal operand   : signed(31 downto 0) := (others => '0');
   signal sum       : signed(31 downto 0) := (others => '0');
   signal way       : unsigned(way_bits - 1 downto 0) := (others => '0');   -- to go, shifted out
   signal speed     : unsigned(speed_bits - 1 downto 0) := (others => '0'); -- of the candidate, shifted out
@@ -104,8 +110,8 @@ architecture rtl of stepgen_ramp is
 
   -- What an instruction does: sum := (0, sum or 2 * sum) + (operand or -operand).
   type kept_t is (kept_none, kept_sum, kept_double);
-  signal instructs   : std_ulogic;                  -- the state is an instruction: it has two clocks
-  -- The first clock decides on it, for the second one.
+  signal instructs   : std_ulogic;                  -- the state is an instruction
+  -- Its first two clocks decide on it, each for the next one.
   signal kept, kept_then          : kept_t := kept_none;
   signal minus, minus_then        : std_ulogic := '0'; -- the operand is inverted
   signal carry, carry_then        : std_ulogic := '0';
@@ -131,16 +137,19 @@ begin
   current   <= word_velocity when bank = '0' else word_next;
   following <= word_next when bank = '0' else word_velocity;
 
-  writes      <= '1' when state = write_goal or state = write_next or state = write_reserve else '0';
+  settled     <= not adds when state /= add_way and state /= take_speed else '1';
+  starts      <= instructs and not executes and settled;
+
+  writes      <= settled when state = write_goal or state = write_next or state = write_reserve else '0';
   write_word  <= word_goal when state = write_goal else following when state = write_next else word_reserve;
-  store       <= '1' when state = write_next else '0';
-  store_shift <= '1' when state = put_shift else '0';
+  store       <= settled when state = write_next else '0';
+  store_shift <= settled when state = put_shift else '0';
   shifts      <= '1' when state = await_shift else '0';
 
   from_motion <= '1' when state = load_phase or state = load_position else '0';
-  look        <= from_motion and not executes;
+  look        <= from_motion and starts;
   look_word   <= motion_phase when state = load_phase else motion_position;
-  reads       <= instructs and not executes and not from_motion;
+  reads       <= starts and not from_motion;
 
   -- The way ends in the middle of a step. So it borrows in the upper half of a step.
   turns   <= '1' when state = write_next else '0';
@@ -265,17 +274,18 @@ begin
   end process;
 
   execute : process (clock) is
-    variable operand, before : signed(31 downto 0);
-    variable total           : signed(32 downto 0);
+    variable word, before : signed(31 downto 0);
+    variable total        : signed(32 downto 0);
   begin
     if rising_edge(clock) then
-      operand := signed(read_data);
+      word := signed(read_data);
       if from_then = '1' then
-        operand := signed(look_data);
+        word := signed(look_data);
       end if;
       if minus_then = '1' then
-        operand := not operand;
+        word := not word;
       end if;
+      operand <= word;
       case kept_then is
         when kept_none => before := (others => '0');
         when kept_sum => before := sum;
@@ -295,7 +305,7 @@ begin
         speed <= speed(speed'high - 1 downto 0) & '0';
       end if;
 
-      if executes = '1' then
+      if adds = '1' then
         total := (before & '1') + (operand & carry_then); -- one adder for both
         sum   <= total(32 downto 1);
       end if;
@@ -303,7 +313,8 @@ begin
       minus_then <= minus;
       carry_then <= carry;
       from_then  <= from_motion;
-      executes   <= instructs and not executes and (looked or not from_motion);
+      executes   <= starts and (looked or not from_motion);
+      adds       <= executes;
 
       -- What the first clock of an instruction keeps of the result before.
       if executes = '0' then
@@ -326,7 +337,9 @@ begin
 
       case state is
         when write_goal =>
-          state <= load_change;
+          if settled = '1' then
+            state <= load_change;
+          end if;
         when write_next =>
           moves <= not is_zero;
           if stored = '1' then
@@ -338,12 +351,16 @@ begin
         when write_reserve =>
           place  <= places - 1;
           speeds <= '0';
-          state  <= add_way;
+          if settled = '1' then
+            state <= add_way;
+          end if;
         when judge =>
-          state <= finish;
-          if sum(31) = '1' then
-            brakes <= '1';
-            state  <= load_goal;
+          if settled = '1' then
+            state <= finish;
+            if sum(31) = '1' then
+              brakes <= '1';
+              state  <= load_goal;
+            end if;
           end if;
         when finish =>
           near(number)    <= arrived;
@@ -376,12 +393,14 @@ begin
             if place = speed_bits then
               speeds <= '1';
             end if;
+          when add_way =>
+            if certain = '1' and place /= places - 1 then
+              adds  <= '0';
+              state <= judge;
+            end if;
           when others =>
             null;
         end case;
-      elsif state = add_way and certain = '1' and place /= places - 1 then
-        executes <= '0';
-        state    <= judge;
       end if;
 
       if (state = load_shift and shift(number) = '0') or (state = await_shift and shifted = '1') then
@@ -400,6 +419,7 @@ begin
         bank     <= not bank;
         number   <= 0;
         executes <= '0';
+        adds     <= '0';
         state    <= load_control;
       end if;
 
@@ -409,6 +429,7 @@ begin
         bank     <= '0';
         number   <= 0;
         executes <= '0';
+        adds     <= '0';
         state    <= waiting;
         near     <= (near'range => '0');
         moving   <= (moving'range => '0');

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -130,6 +131,19 @@ def test_limits_are_whole_where_the_clock_is_known() -> None:
     slow = BoardConfiguration.for_spec(spec, clock_hz=1_000_000)
     with pytest.raises(ValueRangeError, match="choose a faster clock"):
         Board(spec, configuration=slow)
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3, 8])
+def test_the_slowest_clock_of_stepgen_is_that_of_its_vhdl(axes: int) -> None:
+    spec = compile_text(f"public a() {{ one: stepgen(axes={axes}); }}").spec
+    assert spec is not None
+    (one,) = components_of(spec, 50_000_000)
+    ramp = (Path(__file__).parents[3] / "components" / "stepgen" / "stepgen_ramp.vhd").read_text()
+    (clocks,) = re.findall(r"constant pass_clocks : positive := (\d+);", ramp)
+    work_clocks = (
+        3 + max(axes, 3) + axes
+    )  # stepgen_pkg: of a base period, of which there are at least 2**20 a second
+    assert one.clock_least_hz == max(axes * int(clocks) << 14, work_clocks << 20)
 
 
 def test_an_entity_without_vhdl_has_no_limits() -> None:
