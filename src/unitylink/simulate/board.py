@@ -177,7 +177,7 @@ class Board:
     def _make_safe(self) -> None:
         """Give the words that the PC writes their SAFE values, as the dead-man does.
 
-        Those of a component are its own: only the dead-man changes them.
+        Those of a component are its own: only the dead-man changes them. So is each of compiled gateware.
         """
         walked = self.spec.walk() if self.spec is not None else ()
         own = {address for _, element in walked if element.safe is not None for address in element.addresses}

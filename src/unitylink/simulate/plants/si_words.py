@@ -78,6 +78,18 @@ class SiWords:
         numbers: Numbers = self._last.copy()
         return numbers
 
+    def read_new(self) -> Numbers | None:
+        """Return the numbers, or None if they are those of the last time. It is quicker then."""
+        read = self._registers.read_many(self._addresses)
+        if read == self._last_words:
+            return None
+        self._last_words, self._last = read, self._of(read)
+        return self._last
+
+    def forget(self) -> None:
+        """Let `read_new` return the numbers again."""
+        self._last_words = []
+
     def _of(self, read: Sequence[int]) -> Numbers:
         words = np.array(read, dtype=np.int64)
         raw = ((words & self._mask) ^ self._sign) - self._sign

@@ -98,13 +98,19 @@ class MujocoPlant:
 
     def step(self, time_s: float) -> None:
         """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
-        wanted = self._set_points.read()
         with self._world.lock:
             if self._limits is not None:
+                wanted = self._set_points.read()
                 now = self.data.ctrl[self._controls[self._limited]]
                 most = np.abs(self._limits.read()) * self.period_s
                 wanted[self._limited] = now + np.clip(wanted[self._limited] - now, -most, most)
-            self.data.ctrl[self._controls] = wanted
+                self.data.ctrl[self._controls] = wanted
+            else:
+                if self._loaded.shared:  # another board may have reset the world
+                    self._set_points.forget()
+                changed = self._set_points.read_new()
+                if changed is not None:
+                    self.data.ctrl[self._controls] = changed
             # the first step is in the moment of the reset, so nothing has moved yet
             self._steps = self._world.steps if self._steps is None else self._steps + 1
             self._world.move_to(self._steps, time_s)
@@ -114,6 +120,7 @@ class MujocoPlant:
         """Go back to the start of the model."""
         with self._world.lock:
             mujoco.mj_resetData(self.model, self.data)
+        self._set_points.forget()
         self._steps = None
 
     def save(self) -> object:
@@ -124,6 +131,7 @@ class MujocoPlant:
         """Go on from what `save` has returned, of this model."""
         begun, numbers = state
         self._steps = self._world.steps if begun else None
+        self._set_points.forget()
         mujoco.mj_setState(self.model, self.data, numbers, mujoco.mjtState.mjSTATE_INTEGRATION)
 
     def snapshot(self) -> Any:
@@ -135,6 +143,10 @@ class MujocoPlant:
         return numbers
 
     def _show(self) -> None:
+        if len(self._rows) == 1:  # as with a robot that tells its positions only
+            row, _, indices = self._rows[0]
+            self._sensors.write(row[indices])
+            return
         for row, where, indices in self._rows:
             self._numbers[where] = row[indices]
         self._sensors.write(self._numbers)
