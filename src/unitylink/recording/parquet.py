@@ -16,12 +16,12 @@ _TYPES = {"float32": pa.float32(), "int64": pa.int64()}
 
 
 def columns_of(features: Mapping[str, Mapping[str, Any]], columns: Mapping[str, Any]) -> Any:
-    """Return a table of frames: a list of fixed length for a feature of several numbers."""
+    """Return a table of frames: a list of fixed length for a feature of several numbers, a number for one."""
     fields, arrays = [], []
     for name, feature in features.items():
         kind, numbers = _TYPES[feature["dtype"]], columns[name]
-        if numbers.ndim == 1:
-            made = pa.array(numbers, type=kind)
+        if feature["shape"] == [1]:
+            made = pa.array(numbers.ravel(), type=kind)
         else:
             kind = pa.list_(kind, numbers.shape[1])
             made = pa.FixedSizeListArray.from_arrays(pa.array(numbers.ravel()), type=kind)

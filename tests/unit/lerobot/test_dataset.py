@@ -27,7 +27,7 @@ from unitylink.recording.lerobot_layout import Layout
 LAYOUT = Layout(50, ("j1.position", "j1.speed"), ("j1.target",), "arm")
 COLUMNS = {
     "observation.state": pa.list_(pa.float32(), 2),
-    "action": pa.list_(pa.float32(), 1),
+    "action": pa.float32(),  # one number is no list
     "device_time": pa.list_(pa.int64(), 2),
     "lost": pa.int64(),
     "timestamp": pa.float32(),
@@ -163,7 +163,7 @@ def test_frames_have_the_newest_values_and_their_times(tmp_path: Path) -> None:
     assert len(rows["index"]) == 11 and frames.held == 4
     assert [state[0] for state in rows["observation.state"]] == [0, 2, 4, 6, 8, 9, 9, 9, 9, 9, 20]
     assert rows["device_time"][1] == [20_000_000, 0] and rows["device_time"][6] == [90_000_000, 0]
-    assert [action[0] for action in rows["action"]] == [1.0] * 10 + [2.0]
+    assert rows["action"] == [1.0] * 10 + [2.0]
 
 
 def test_record_writes_episodes(
