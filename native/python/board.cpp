@@ -286,6 +286,10 @@ void bind_board(nb::module_& module) {
                                 return nb::cast<bool>(step(time_s));
                                 // simulate.Board catches all; this is only a last resort
                               } catch (nb::python_error& error) {
+                                if (self.in_steps() && error.matches(PyExc_KeyboardInterrupt)) {
+                                  PyErr_SetInterrupt();  // it is for the program whose call runs the plant
+                                  return true;
+                                }
                                 error.discard_as_unraisable("a plant's step");
                                 return false;
                               }

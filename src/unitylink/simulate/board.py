@@ -160,6 +160,8 @@ class Board:
             try:
                 step(time_s)
             except BaseException as error:  # sys.exit() in a step must not go unnoticed either
+                if isinstance(error, KeyboardInterrupt) and self._native.in_steps:
+                    raise  # it is for the program, in whose thread the plant runs
                 raised = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
                 raised.__cause__ = error
                 self._plant_error = raised

@@ -4,10 +4,14 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
+import os
+import signal
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from math import sin
 from pathlib import Path
 
 import pytest
@@ -19,8 +23,9 @@ from unitylink.errors import LinkClosed, UnityLinkError, UrlError, ValueRangeErr
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import ValueGroup, load_spec_objects
 from unitylink.simulate import Board, BoardConfiguration, Registers
-from unitylink.spec import Spec, compile_text
+from unitylink.spec import Spec, compile_text, load
 
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 TEXT = """
 public cart() {
    @position = 0x10: i32 READ(UNIT="mm", PUBLISH(100 Hz));
@@ -109,6 +114,17 @@ def test_another_thread_may_close_a_link_that_waits_for_ever() -> None:
         closing.join()
 
 
+@pytest.mark.parametrize("plant", [Cart(), None], ids=["plant", "no plant"])
+def test_ctrl_c_ends_a_long_step_and_not_the_plant(plant: Cart | None) -> None:
+    spec = compile_text(TEXT, "cart.ul").spec
+    with Board(spec, plant=plant, endpoint="lockstep") as board, Link(board.url) as link:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            link.step(1e6 - 1)
+        link.step(0.01)
+        assert board.error is None and link.now_s() < 1e6
+
+
 def test_an_hour_of_a_robot_that_stands_takes_no_hour() -> None:
     with Board(endpoint="lockstep") as board, Link(board.url) as link:
         link.step(3600.0)
@@ -137,6 +153,33 @@ def test_two_runs_are_equal_byte_for_byte(tmp_path: Path, protocol: str) -> None
     assert first == second
     assert len(first[1]) > 320  # there are publishes among them
     assert sum(len(sent) for _, sent in first[0]) > 10_000
+
+
+def digest_of(file: Path, steps: int) -> tuple[str, str]:
+    """Drive the SCARA for some steps. Return the digests of all bytes on the wire, and of all values."""
+    arm = EXAMPLES / "scara" / "scara.ul"
+    values, wire = hashlib.sha256(), hashlib.sha256()
+    with connect(f"sim:{arm}?plant=scara&trace={file}", time="lockstep") as link:
+        robot = load_spec_objects(load(arm), link)
+        joints = [robot[name] for name in ("j1", "j2", "j3", "j4")]
+        places = ValueGroup([value for joint in joints for value in (joint["cpos"], joint["spd"])])
+        targets = ValueGroup([joint["pos_sp"] for joint in joints])
+        ValueGroup([joint["spd_sp"] for joint in joints]).write([20_000, 30_000, 9_000, 90_000])
+        for step in range(steps):
+            seen = places.snapshot()
+            values.update(repr((seen.time_s, *seen.values())).encode())
+            targets.write([round(9_000 * sin(step * part)) for part in (0.01, 0.013, 0.02, 0.05)])
+            link.step(0.001)
+    for packet in read_packets(file):
+        wire.update(packet.data)
+    file.unlink()
+    return wire.hexdigest(), values.hexdigest()
+
+
+@pytest.mark.parametrize("steps", [2_000, pytest.param(100_000, marks=pytest.mark.long)])
+def test_many_steps_of_a_robot_are_equal_byte_for_byte(tmp_path: Path, steps: int) -> None:
+    first = digest_of(tmp_path / "wire.pcapng", steps)
+    assert first == digest_of(tmp_path / "wire.pcapng", steps) and first[0] != first[1]
 
 
 def test_publishes_come_at_their_time() -> None:
