@@ -30,6 +30,7 @@ def make(
     done: Callable[[Mapping[str, Any]], bool] | None = None,
     home: Callable[[Any], object] | None = None,
     most_steps: int | None = None,
+    render_mode: str | None = None,
 ) -> RobotEnvironment:
     """Return an environment of Gymnasium whose spaces come from the spec.
 
@@ -39,7 +40,8 @@ def make(
 
     `observed` and `commanded` are paths of values. By default, these are all numbers that the PC reads and
     does not write, and all numbers that it writes. `reward(observation, action)` and `done(observation)` get
-    values by path, in the units of the spec. An episode is truncated after `most_steps`.
+    values by path, in the units of the spec. An episode is truncated after `most_steps`. With `render_mode`
+    "rgb_array", `render()` returns a picture of a plant of MuJoCo.
 
     Raises UnityLinkError (a wrong argument, or a value without limits), UrlError, SpecError, LinkError, and
     ToolError if gymnasium is absent.
@@ -51,7 +53,9 @@ def make(
     from .environment import RobotEnvironment, Task
 
     task = Task(dt_s, reward, done, home, most_steps)
-    return RobotEnvironment(url, task, spec=spec, observed=observed, commanded=commanded)
+    return RobotEnvironment(
+        url, task, spec=spec, observed=observed, commanded=commanded, render_mode=render_mode
+    )
 
 
 def make_vector(url: str, count: int, **more: Any) -> RobotVector:

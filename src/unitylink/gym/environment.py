@@ -20,6 +20,7 @@ from unitylink.simulate import BoardState
 from unitylink.spec import load
 
 from .channel import Channel, is_number
+from .pictures import Pictures
 
 Numbers = npt.NDArray[np.float64]
 Values = Mapping[str, Any]
@@ -57,7 +58,7 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  as in gymnasium.Env
-    render_mode = None
+    render_mode: str | None = None
 
     def __init__(
         self,
@@ -67,6 +68,7 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         spec: str | None,
         observed: Sequence[str] | None,
         commanded: Sequence[str] | None,
+        render_mode: str | None = None,
     ) -> None:
         if not 1e-5 <= task.dt_s <= 3600:
             raise UnityLinkError(f"dt_s is {task.dt_s!r}; expected seconds, 1e-5 to 3600")
@@ -86,6 +88,15 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         self._last = np.zeros(len(self.observed))
         self.observation_space = _space(self.observed)
         self.action_space = _space(self.commanded)
+        self._pictures: Pictures | None = None
+        if render_mode is not None:
+            try:
+                self._pictures = Pictures(render_mode, self._now().board)
+            except UnityLinkError:
+                self._shut()
+                raise
+            self.render_mode = render_mode
+            self.metadata = {"render_modes": [render_mode], "render_fps": max(1, round(1 / task.dt_s))}
 
     # ---- Gymnasium's own
 
@@ -111,8 +122,14 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
         self.wait()
         return self.finish()
 
+    def render(self) -> Any:
+        """Return a picture of the model (docs/gym.md), or None without a `render_mode`."""
+        return None if self._pictures is None else self._pictures.draw(self._now().board)
+
     def close(self) -> None:
         """Close the link. It may be called twice."""
+        if self._pictures is not None:
+            self._pictures.close()
         self._shut()
 
     # ---- beside Gymnasium: a moment that one comes back to

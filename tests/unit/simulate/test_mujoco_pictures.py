@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 from PIL import Image
 
+import unitylink.gym
 from unitylink import connect
 from unitylink.cli import main
 from unitylink.commands.model_view import ModelView
@@ -109,3 +111,33 @@ def test_only_a_model_can_be_shown(tmp_path: Path, capsys: pytest.CaptureFixture
     (tmp_path / "arm.ul").write_text(SPEC)
     assert main(["simulate", str(tmp_path / "arm.ul"), "--picture", str(tmp_path / "arm.png")]) == 2
     assert "give one with --plant mujoco:FILE.xml" in capsys.readouterr().err
+
+
+LEARNED = 'public arm() { @turn = 0x10: i16 READ(UNIT="rad", SCALE=0.001); '
+LEARNED += '@turn_goal = 0x20: i16 WRITE(UNIT="rad", SCALE=0.001, MIN=-2, MAX=2, OVERFLOW=saturate); }'
+
+
+@pytest.mark.filterwarnings("ignore:.*normalized space.*", "ignore:.*not having a spec.*")
+def test_an_environment_to_learn_in_draws_itself(url: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.ul").write_text(LEARNED)
+
+    def reward(seen: object, written: object) -> float:
+        return 0.0
+
+    env = unitylink.gym.make(url, dt_s=0.05, reward=reward, render_mode="rgb_array")
+    check_env(env, skip_close_check=True)
+    for _ in range(2):
+        env.reset(seed=1)
+        assert red(Image.fromarray(env.render()))[0] > 0.6
+        for _ in range(8):
+            env.step(np.array([np.pi / 2]))
+        assert red(Image.fromarray(env.render()))[1] < 0.4
+    env.close()
+    env.close()
+    plain = unitylink.gym.make(url, dt_s=0.05, reward=reward)
+    assert plain.render() is None
+    plain.close()
+    with pytest.raises(UnityLinkError, match="render_mode is 'human'; there is rgb_array"):
+        unitylink.gym.make(url, dt_s=0.05, reward=reward, render_mode="human")
+    with pytest.raises(UnityLinkError, match="render_mode needs a model of MuJoCo"):
+        unitylink.gym.make(url.partition("?")[0], dt_s=0.05, reward=reward, render_mode="rgb_array")

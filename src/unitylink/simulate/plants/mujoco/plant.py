@@ -17,6 +17,7 @@ from unitylink.spec.model import Spec
 from ...registers import Registers
 from ..si_words import SiWords
 from .binding import bind
+from .camera import Camera
 from .model_file import load_model
 from .world import World
 
@@ -133,6 +134,10 @@ class MujocoPlant:
         self._steps = self._world.steps if begun else None
         self._set_points.forget()
         mujoco.mj_setState(self.model, self.data, numbers, mujoco.mjtState.mjSTATE_INTEGRATION)
+
+    def camera(self) -> Camera:
+        """Return what draws the model. Raises ToolError if nothing does."""
+        return Camera(self.model)
 
     def snapshot(self) -> Any:
         """Return the state of the model, mjSTATE_INTEGRATION, also from another thread."""
