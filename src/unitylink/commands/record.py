@@ -82,9 +82,8 @@ def command(
     if lerobot is not None:
         if out is not None or force:
             raise click.UsageError("--lerobot has a folder of its own; leave out --out and --force")
-        from unitylink.recording.lerobot_dataset import need_library
+        import unitylink.recording.lerobot_dataset  # noqa: F401  if pyarrow is absent, it says so here
 
-        need_library()
         with ended_by_signals(), open_target(link, spec_file) as target:
             code = record_episode(
                 target,

@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 
 from unitylink.errors import UnityLinkError, ValueRangeError
-from unitylink.optional import absent
 from unitylink.output_file import replace_file
 
 from .lerobot_layout import (
@@ -52,14 +51,6 @@ class Episode:
     lost: int
 
 
-def need_library() -> None:
-    """Raise ToolError if pyarrow is absent."""
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        raise absent("pyarrow", "a data set of LeRobot") from None
-
-
 class LerobotDataset:
     """The data set in a folder. A new episode goes behind those that are there.
 
@@ -68,7 +59,6 @@ class LerobotDataset:
     """
 
     def __init__(self, folder: str | Path, layout: Layout, origin: Mapping[str, Any] | None = None) -> None:
-        need_library()
         self.folder, self.layout = Path(folder), layout
         self._origin = dict(origin or {})
         self._frames: list[tuple[Sequence[float], Sequence[float], Sequence[int], int]] = []

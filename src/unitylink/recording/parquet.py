@@ -9,8 +9,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-from pyarrow import parquet
+from unitylink.optional import absent
+
+try:
+    import pyarrow as pa
+    from pyarrow import parquet
+except ImportError:
+    raise absent("pyarrow", "a data set of LeRobot") from None
 
 _TYPES = {"float32": pa.float32(), "int64": pa.int64()}
 

@@ -28,6 +28,7 @@ EXTRAS = re.search(
 # name in an import -> (name of the package, a command that needs it)
 NEEDED = {
     "mcap": ("mcap", ["record", "sim:arm.ul", "--out", "arm.mcap", "--count", "1"]),
+    "pyarrow": ("pyarrow", ["record", "sim:arm.ul", "--lerobot", "data", "--count", "1"]),
     "matplotlib": ("matplotlib", ["plot", "arm.csv", "--out", "arm.png"]),
     "pygls": ("pygls", ["lsp"]),
     "systemrdl": ("systemrdl-compiler", ["import", "arm.rdl"]),
@@ -52,9 +53,8 @@ def test_an_absent_package_is_named_with_the_command_that_installs_it(
     name, command = NEEDED[package]
     for loaded in [one for one in sys.modules if one.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, loaded)
-    for loaded in [
-        one for one in sys.modules if re.match(r"unitylink\.commands\.(language_server|systemrdl)", one)
-    ]:
+    users = r"unitylink\.(commands\.(language_server|systemrdl)|recording\.(lerobot|parquet))"
+    for loaded in [one for one in sys.modules if re.match(users, one)]:
         monkeypatch.delitem(sys.modules, loaded)
     monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
     found = importlib.util.find_spec
