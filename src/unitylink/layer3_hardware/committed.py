@@ -178,12 +178,15 @@ class CommittedProxy(HardwareProxy):
         self._forget_old()
         if not self._settled:
             self._settle(patience_s, committed=False)
-        for address in changes:  # if this burst fails half-way, the next one must write these words too
-            self._outputs.setdefault(address, None)
+        if not changes.keys() <= self._outputs.keys():
+            for address in changes:  # if this burst fails half-way, the next one must write these words too
+                self._outputs.setdefault(address, None)
         words = self._all_words(changes, timeout_s)
         self._settled = False  # whatever happens from here on, check before the next burst
         commit = self.base + self.commit_address
-        addresses, values = [self.base + address for address in words], list(words.values())
+        base = self.base
+        addresses = [base + address for address in words] if base else list(words)
+        values = list(words.values())
         status = None
         try:
             if self._in_frames:  # in one message, and each message is executed once
@@ -222,15 +225,16 @@ class CommittedProxy(HardwareProxy):
     def _all_words(self, changes: dict[int, int], timeout_s: float | None) -> dict[int, int]:
         """Return all words that a commit writes. Read those that are unknown, and do not change."""
         outputs = self._outputs
+        if None not in outputs.values():
+            return outputs | changes  # type: ignore[return-value]  # none of them is None
         known = {address: word for address, word in outputs.items() if word is not None}
-        if len(known) < len(outputs):
-            unknown = [a for a, word in outputs.items() if word is None and a not in changes]
-            if unknown:
-                words = self.link.read_many(
-                    [self.base + address for address in unknown], repeat=True, timeout_s=timeout_s
-                )
-                outputs.update(zip(unknown, (int(word) for word in words), strict=True))
-                known = {address: word for address, word in outputs.items() if word is not None}
+        unknown = [a for a, word in outputs.items() if word is None and a not in changes]
+        if unknown:
+            words = self.link.read_many(
+                [self.base + address for address in unknown], repeat=True, timeout_s=timeout_s
+            )
+            outputs.update(zip(unknown, (int(word) for word in words), strict=True))
+            known = {address: word for address, word in outputs.items() if word is not None}
         return known | changes
 
     def _settle(self, patience_s: float, *, committed: bool, status: int | None = None) -> None:

@@ -34,6 +34,7 @@ class Axis:
 
     def __init__(self, joint: Joint) -> None:
         self.joint = joint
+        self._limits = joint.low, joint.high, joint.speed_limit, joint.acceleration_limit
         self.position = 0.0  # of the mass, in the unit of the joint
         self.speed = 0.0
         self._profile_position = 0.0
@@ -43,13 +44,13 @@ class Axis:
         """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`. `inertia` is relative to
         nominal."""
         # It is written without calls: a plant in Python is the greatest part of a step of time (lockstep.md).
-        joint, position, speed = self.joint, self.position, self.speed
-        low, high, acceleration = joint.low, joint.high, joint.acceleration_limit
+        position, speed = self.position, self.speed
+        low, high, speed_most, acceleration = self._limits
         profile_speed, profile = self._profile_speed, self._profile_position
         # the profile
         target = low if set_point < low else high if set_point > high else set_point
         error = target - profile
-        fastest = speed_limit if speed_limit < joint.speed_limit else joint.speed_limit
+        fastest = speed_limit if speed_limit < speed_most else speed_most
         step_up = acceleration * dt_s
         # The highest speed from which the joint can still stop at the target, in whole steps.
         braking = sqrt(step_up * step_up / 4 + 2 * acceleration * abs(error)) - step_up / 2
