@@ -71,7 +71,7 @@ def test_a_board_in_steps_is_the_clock_of_ros(ros: Ros) -> None:
     ros.start("roslaunch", "scara_unitylink", "scara.launch", f"link:={url}")
     clocks = re.findall(r"nsecs: *(\d+)", echo(ros, "/clock", 3))
     steps = [(int(later) - int(earlier)) % 10**9 for earlier, later in pairwise(clocks)]
-    assert all(step and step % 10_000_000 == 0 for step in steps), clocks
+    assert all(step > 100 and (step + 100) % 10_000_000 < 200 for step in steps), clocks
     stamped = re.search(r" secs: *(\d+)", echo(ros, "/scara/j1/feedback"))
     assert stamped and 0 < int(stamped[1]) < 10_000, "the stamp is of robot time, which begins at 1 s"
     asked = "import rospy; rospy.init_node('asks'); rospy.sleep(0.2); print(rospy.get_time())"

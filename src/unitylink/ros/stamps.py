@@ -32,4 +32,4 @@ class Stamps:
     def parts(self, time_s: float) -> tuple[int, int]:
         """Return seconds and nanoseconds of a stamp."""
         offset_s = time.time() - time.monotonic() if self._simulated is None else 0.0
-        return divmod(int((offset_s + time_s) * 1e9), NS)
+        return divmod(round((offset_s + time_s) * 1e9), NS)
