@@ -149,6 +149,7 @@ bench: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group all
 	@tools/setup.sh rtl
 	@tools/setup.sh ros
+	@tools/setup.sh rust
 	$(BIN)/unitylink bench $(if $(QUICK),--quick) $(ONLY:%=--only %)
 
 experiments: $(VENV)/.built $(NATIVE)/.built

@@ -17,6 +17,7 @@ if [ "$part" != native ]; then            # a line each: `a && b` would let a fa
   "$bin/mypy"
   say "generated files"
   "$bin/python" protocol/generate.py --check
+  "$bin/python" tools/rust_sys.py --check
   say "house rules (imports go down the layers only, licence lines, folder pages)"
   "$bin/python" -m pytest tests/unit/house -q
 fi

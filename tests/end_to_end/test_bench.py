@@ -41,7 +41,8 @@ def test_a_figure_as_json(run: Run) -> None:
     assert report["quick"] is True
 
 
-LONG = {"roscpp-out"}  # this compiles a package of ROS first, as tests/ros does
+# These compile first: a package of ROS, as tests/ros does, and crates of Rust, as tests/conformance does.
+LONG = {"roscpp-out", "rust-read"}
 
 
 @pytest.mark.parametrize(

@@ -30,6 +30,7 @@ from .lerobot import lerobot_files
 from .python import python_files
 from .ros1 import ros1_files
 from .ros2 import ros2_files
+from .rust import rust_files
 from .spec_plan import Chosen, SpecPlan
 from .vhdl import vhdl_files
 
@@ -71,6 +72,7 @@ ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
         "python": Artefact(python_files),
         "cpp": Artefact(cpp_files),
         "c": Artefact(c_files),
+        "rust": Artefact(rust_files),
         "vhdl": Artefact(vhdl_files, gateware=True),
         "bench": Artefact(bench_files, gateware=True),
         "json": Artefact(json_files),

@@ -31,6 +31,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "cycle": ("exchange", "measure_cycle"),
     "cpp-read": ("objects", "measure_read"),
     "cpp-cycle": ("objects", "measure_cycle"),
+    "rust-read": ("objects", "measure_rust_read"),
     "litex-single": ("litex", "measure_single"),
     "litex-single-framed": ("litex", "measure_single_framed"),
     "litex-block": ("litex", "measure_block"),

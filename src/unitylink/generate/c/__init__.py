@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..objects import ObjectsPlan, Style, members, plan_objects, snake
+from ..objects import C, ObjectsPlan, Style, members, plan_objects, snake
 from ..spec_plan import SpecPlan
 from ..templates import environment
 from . import functions
@@ -27,4 +27,4 @@ def c_files(plan: SpecPlan) -> dict[str, str]:
 def _planned(plan: SpecPlan) -> ObjectsPlan:
     spec = plan.spec
     (name,) = members([snake(spec.name) or "robot"], {"ul", "std", "unitylink"}).values()
-    return plan_objects(spec, Style(name, plain=True, reserved=_RESERVED))
+    return plan_objects(spec, Style(name, plain=True, reserved=_RESERVED, dialect=C))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..objects.names import members
 from ..objects.plan import ClassPlan, ObjectsPlan, RobotPlan, SetMember, SetPlan, ValuePlan
-from ..quoting import Cpp
+from ..quoting import Code, Cpp
 
 # Access in the spec -> functions: the ending of the name, and whether it gets or puts a value.
 _FUNCTIONS = {
@@ -28,10 +28,10 @@ class Node:
 
     stem: str
     owner: str
-    path: Cpp
+    path: Code
     inputs: SetPlan
     outputs: SetPlan
-    remark: Cpp
+    remark: Code
 
 
 def _classes(plan: ObjectsPlan) -> Iterator[ClassPlan]:

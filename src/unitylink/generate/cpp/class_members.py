@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ..objects.names import members
 from ..objects.plan import ClassPlan, RobotPlan, SetMember
-from ..quoting import Cpp
+from ..quoting import Code, Cpp
 
 # Access in the spec -> class of unitylink/objects.hpp.
 _CLASSES = {
@@ -20,7 +20,7 @@ _CLASSES = {
 }
 
 
-def declarations(plan: ClassPlan) -> Iterator[tuple[Cpp, Cpp]]:
+def declarations(plan: ClassPlan) -> Iterator[tuple[Cpp, Code]]:
     """Yield the declaration of each member, and the remark about it."""
     for part in plan.parts:
         yield _declared(Cpp.of("{}", part.type), part.count, part.name), part.remark

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of a robot: its values, links and committed memory, as initialisers of C and C++."""
+"""The tables of a robot: its values, links and committed memory, as initialisers of C, C++ and Rust."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from unitylink.spec.model import Element, Instance, LinkBinding, Spec
 from unitylink.spec.types import EnumType, Field, ValueType
 from unitylink.values import Codec, Quantity
 
-from ..quoting import Cpp, Part
+from ..quoting import Code, Part
+from .dialect import Dialect
 
 _COMMITTED = ("tosnet", "double_buffer")
 _KINDS = {
@@ -32,7 +33,7 @@ class LinkFacts:
     parameter: str
     data_bits: int
     address_bits: int
-    gateware: tuple[Cpp, ...]  # wire hashes
+    gateware: tuple[Code, ...]  # wire hashes
 
 
 @dataclass(frozen=True)
@@ -41,16 +42,16 @@ class MemoryFacts:
 
     link: int
     control: int
-    facts: Cpp  # commit, and the bits of the status word
-    addresses: tuple[Cpp, ...]  # all outputs, then the commit
+    facts: Code  # commit, and the bits of the status word
+    addresses: tuple[Code, ...]  # all outputs, then the commit
     count: int
 
 
 class RobotFacts:
     """The links, memories and values of one public constructor, in the order of their places."""
 
-    def __init__(self, spec: Spec, root: Instance) -> None:
-        self.spec, self.root = spec, root
+    def __init__(self, spec: Spec, root: Instance, dialect: Dialect) -> None:
+        self.spec, self.root, self.dialect = spec, root, dialect
         self.elements = list(root.walk())
         self.index = {element.path: place for place, element in enumerate(self.elements)}
         self._keys: dict[str, int] = {}
@@ -114,7 +115,7 @@ class RobotFacts:
                 name,
                 self._bits[place],
                 self._address_bits[place],
-                tuple(Cpp.of("0x{:016X}U", told) for told in self._hashes[place]),
+                tuple(self.dialect.number(told, 16) for told in self._hashes[place]),
             )
             for name, place in self._keys.items()
         ) or (LinkFacts("link", protocol.DATA_BITS_MAX, 1, ()),)
@@ -124,12 +125,12 @@ class RobotFacts:
         for binding, outputs in self._outputs.items():
             link = self._keys[binding.comm or binding.link or "link"]
             control = self._keys[binding.ctrl] if binding.ctrl else link
-            commit, facts = _commit(binding)
-            addresses = tuple(Cpp.of("0x{:X}U", address) for address in (*outputs, commit))
+            commit, facts = _commit(binding, self.dialect)
+            addresses = tuple(self.dialect.number(address) for address in (*outputs, commit))
             made.append(MemoryFacts(link, control, facts, addresses, len(outputs)))
         return tuple(made)
 
-    def value(self, element: Element, members: Cpp) -> Cpp:
+    def value(self, element: Element, members: Code) -> Code:
         """Return the initialiser of the facts of a value. `members` is the table of its enumeration."""
         memory = -1
         if element.path in self._slots:
@@ -142,24 +143,27 @@ class RobotFacts:
             ("FRAMES", bool(Quantity.of(element).asks_for_frames(element.access))),
         ]
         place = (self.link_of(element), memory, self._slots.get(element.path, 0))
+        code = self.dialect.code
         return _initialiser(
-            (Cpp.text(element.path), Cpp.text(element.unit), Cpp.of("0x{:X}U", element.address)),
+            (code.text(element.path), code.text(element.unit), self.dialect.number(element.address)),
             Codec(element.path, Quantity.of(element), self.data_bits(element), commanded=True),
             flags,
             place,
             members,
+            dialect=self.dialect,
         )
 
 
-def field_value(name: str, field: Field, members: Cpp) -> Cpp:
+def field_value(name: str, field: Field, members: Code, dialect: Dialect) -> Code:
     """Return the initialiser of the facts of a field of a packed value."""
     codec = Codec(name, Quantity.of(field), field.high - field.low + 1, commanded=True)
-    where = (Cpp.text(name), Cpp.text(field.unit), Cpp.of("{}", field.low))
-    return _initialiser(where, codec, [], (0, -1, 0), members)
+    code = dialect.code
+    where = (code.text(name), code.text(field.unit), code.of("{}", field.low))
+    return _initialiser(where, codec, [], (0, -1, 0), members, dialect=dialect)
 
 
-def member_numbers(enum: EnumType) -> tuple[Cpp, ...]:
-    return tuple(Cpp.of("{}U", item.value) for item in enum.values)
+def member_numbers(enum: EnumType, dialect: Dialect) -> tuple[Code, ...]:
+    return tuple(dialect.unsigned(item.value) for item in enum.values)
 
 
 def kind_of(kind: ValueType, quantity: Quantity) -> str:
@@ -169,28 +173,35 @@ def kind_of(kind: ValueType, quantity: Quantity) -> str:
     return _KINDS[kind.kind]
 
 
-def _commit(binding: LinkBinding) -> tuple[int, Cpp]:
+def _commit(binding: LinkBinding, dialect: Dialect) -> tuple[int, Code]:
+    """Return the address of the commit, and the initialisers of it and of the bits of the status word."""
     if binding.kind != "tosnet":
         address = binding.base + binding.size
-        return address, Cpp.of("0x{:X}U, 0, 0, 0, 0", address)
-    address = binding.base + protocol.TOSNET_STATUS
-    bits = (
-        protocol.TOSNET_STATUS_COMMIT_PENDING_BIT,
-        protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT,
-        protocol.TOSNET_STATUS_ONLINE_BIT,
-        protocol.TOSNET_STATUS_SYSTEM_HALT_BIT,
-    )
-    masks = Cpp(", ").join(Cpp.of("0x{:X}U", 1 << bit) for bit in bits)
-    return address, Cpp.of("0x{:X}U, {}", address, masks)
+        bits: tuple[int | None, ...] = (None,) * 4
+    else:
+        address = binding.base + protocol.TOSNET_STATUS
+        bits = (
+            protocol.TOSNET_STATUS_COMMIT_PENDING_BIT,
+            protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT,
+            protocol.TOSNET_STATUS_ONLINE_BIT,
+            protocol.TOSNET_STATUS_SYSTEM_HALT_BIT,
+        )
+    masks: list[Part] = [0 if bit is None else dialect.number(1 << bit) for bit in bits]
+    names = ("commit", "pending", "aborted", "online", "halted")
+    rows = list(zip(names, [dialect.number(address), *masks], strict=True))
+    listed = [dialect.code.of("{}: {}", *row) if dialect.rust else row[1] for row in rows]
+    return address, dialect.code(", ").join(listed)
 
 
 def _initialiser(
-    where: tuple[Cpp, Cpp, Cpp],  # path, unit, address
+    where: tuple[Code, Code, Code],  # path, unit, address
     codec: Codec,
     flags: list[tuple[str, bool]],
     place: tuple[int, int, int],
-    members: Cpp,
-) -> Cpp:
+    members: Code,
+    *,
+    dialect: Dialect,
+) -> Code:
     quantity, kind = codec.quantity, codec.type
     told = [
         ("SIGNED", kind.signed),
@@ -198,30 +209,25 @@ def _initialiser(
         ("OPEN", kind.enum is not None and kind.enum.open),
         *flags,
     ]
-    flag = Cpp(" | ").join(Cpp.of("UL_VALUE_{}", name) for name, holds in told if holds) or Cpp("0")
-    link, memory, slot = place
-    limits = tuple(Cpp.of("0x{:X}U", number & (1 << 64) - 1) for number in (codec.low, codec.high))
+    set_flags = [dialect.constant("VALUE", name) for name, holds in told if holds]
+    flag = dialect.code(" | ").join(set_flags) or dialect.code("0")
+    low, high = (dialect.number(number & (1 << 64) - 1) for number in (codec.low, codec.high))
     ratio = codec.ratio if quantity.scaled and codec.ratio is not None else (0, 0, 0)
     ends = (codec.minimum, codec.maximum) if kind.numeric else (0, codec.mask)
-    numbers: list[Part] = [
-        quantity.scale / (1 << kind.fraction),
-        float(quantity.offset),
-        *(float(number) for number in ratio),
-        *(float(end) for end in ends),
+    rows: list[tuple[str, Part]] = [
+        *zip(("path", "unit", "address"), where, strict=True),
+        ("kind", dialect.constant("KIND", kind_of(kind, quantity))),
+        ("width", codec.width),
+        ("words", max(1, codec.words)),
+        ("flags", flag),
+        *zip(("link", "memory", "slot"), place, strict=True),
+        ("low", low),
+        ("high", high),
+        ("scale", float(quantity.scale / (1 << kind.fraction))),
+        ("offset", float(quantity.offset)),
+        *zip(("multiplier", "added", "divisor"), map(float, ratio), strict=True),
+        *zip(("minimum", "maximum"), map(float, ends), strict=True),
+        ("members", members),
+        ("member_count", len(kind.enum.values) if kind.enum is not None else 0),
     ]
-    words = max(1, codec.words)
-    parts: list[Part] = [
-        *where,
-        Cpp.of("UL_KIND_{}", kind_of(kind, quantity)),
-        codec.width,
-        words,
-        flag,
-        link,
-        memory,
-        slot,
-        *limits,
-        *numbers,
-        members,
-        len(kind.enum.values) if kind.enum is not None else 0,
-    ]
-    return Cpp.of("{{{}}}", Cpp(", ").join(parts))
+    return dialect.table("Facts", rows)

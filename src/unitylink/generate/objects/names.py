@@ -10,6 +10,8 @@ from pathlib import Path
 # Words of C11 and C++20. Also macros that the headers of both may define: those in small letters, and the
 # names of the system's errors.
 KEYWORDS = frozenset((Path(__file__).parent / "keywords.txt").read_text(encoding="ascii").split())
+# Words of Rust of all editions, beside those of C and C++, and names that no variable can have there.
+RUST_KEYWORDS = frozenset((Path(__file__).parent / "keywords_rust.txt").read_text(encoding="ascii").split())
 # Macros in capitals that the headers of both may define.
 _MACROS = re.compile(
     r"""UL_\w+|UNITYLINK_\w+|I|W?EOF|[A-Z0-9_]+_(?:MAX|MIN|WIDTH|ENDIAN|OK)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plan of typed objects in C and C++. Every decision is taken here: a template only lays it out."""
+"""The plan of typed objects in C, C++ and Rust. Every decision is taken here: a template only lays it out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..quoting import Cpp
+from ..quoting import Code
 from .facts import LinkFacts, MemoryFacts
 
 
@@ -13,7 +13,7 @@ from .facts import LinkFacts, MemoryFacts
 class TypeName:
     """The type of a value. `get` and `put` are the functions of C that decode and encode it."""
 
-    name: Cpp
+    name: Code
     get: str = ""
     put: str = ""
 
@@ -22,7 +22,7 @@ class TypeName:
 class EnumMember:
     name: str
     value: int
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,14 @@ class EnumPlan:
     """An enumeration. `numbers` is the name of the table of its numbers."""
 
     name: str
-    base: str  # the type of C that holds its numbers
+    base: Code  # the type that holds its numbers
     get: str
     put: str
     numbers: str
-    remark: Cpp
+    remark: Code
     members: tuple[EnumMember, ...]
-    values: tuple[Cpp, ...]
+    values: tuple[Code, ...]
+    open: bool
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class FieldPlan:
     name: str
     type: TypeName
     low: int
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,9 @@ class BitsPlan:
     get: str
     put: str
     table: str
-    remark: Cpp
+    remark: Code
     fields: tuple[FieldPlan, ...]
-    facts: tuple[Cpp, ...]
+    facts: tuple[Code, ...]
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,8 @@ class SetMember:
     count: int
     places: tuple[int, ...]
     part: SetPlan | None
-    initial: Cpp  # "" if there is none
-    remark: Cpp
+    initial: Code  # "" if there is none
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ class ValuePlan:
     type: TypeName
     places: tuple[int, ...]
     count: int
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -107,9 +108,9 @@ class PartPlan:
     name: str
     type: str
     places: tuple[int, ...]
-    paths: tuple[Cpp, ...]
+    paths: tuple[Code, ...]
     count: int
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -118,16 +119,16 @@ class GroupPlan:
 
     name: str
     stem: str
-    path: Cpp
+    path: Code
     inputs: SetPlan
     outputs: SetPlan
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
 class ClassPlan:
     name: str
-    remark: Cpp
+    remark: Code
     values: tuple[ValuePlan, ...]
     parts: tuple[PartPlan, ...]
     groups: tuple[GroupPlan, ...]
@@ -141,10 +142,10 @@ class StreamPlan:
 
     name: str
     stem: str
-    path: Cpp
+    path: Code
     divisor: int
     set: SetPlan
-    remark: Cpp
+    remark: Code
 
 
 @dataclass(frozen=True)
@@ -152,11 +153,11 @@ class RobotPlan:
     """A public constructor: its class, its tables, and what it publishes."""
 
     plan: ClassPlan
-    path: Cpp
+    path: Code
     space: str  # the prefix of its tables
     links: tuple[LinkFacts, ...]
     memories: tuple[MemoryFacts, ...]
-    values: tuple[Cpp, ...]
+    values: tuple[Code, ...]
     slots: int
     streams: tuple[StreamPlan, ...]
 
@@ -166,8 +167,8 @@ class ObjectsPlan:
     """All that a header has. `sets` are in an order in which each one comes after those it needs."""
 
     name: str
-    source: Cpp
-    file: Cpp
+    source: Code
+    file: Code
     hash: str
     enums: tuple[EnumPlan, ...]
     bits: tuple[BitsPlan, ...]

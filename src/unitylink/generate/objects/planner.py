@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from unitylink.spec.model import Element, Group, Instance, Member, Spec
 from unitylink.values import Quantity
 
-from ..quoting import Cpp, file_name
+from ..quoting import file_name
 from .documentation import places as said_places
 from .documentation import sentences, shown, value_facts
 from .facts import RobotFacts
@@ -61,9 +61,10 @@ def plan_objects(spec: Spec, style: Style) -> ObjectsPlan:
 class _Planner:
     def __init__(self, spec: Spec, style: Style) -> None:
         self.spec, self.style = spec, style
+        self.code = style.dialect.code
         self.types = Types(spec, style)
         self.sets = Sets(self.types)
-        self.facts = {root.name: RobotFacts(spec, root) for root in spec.roots}
+        self.facts = {root.name: RobotFacts(spec, root, style.dialect) for root in spec.roots}
         self.kinds: dict[Hashable, _Kind] = {}
         self.finished: dict[str, ClassPlan] = {}
         self.roots = [self._kind(root.name, root=True) for root in spec.roots]
@@ -82,8 +83,8 @@ class _Planner:
         own = {kind.name for kind in self.roots}
         return ObjectsPlan(
             self.style.prefix,
-            Cpp.text(self.spec.source),
-            Cpp.remark(file_name(self.spec.source)),
+            self.code.text(self.spec.source),
+            self.code.remark(file_name(self.spec.source)),
             self.spec.hash,
             tuple(self.types.enums.values()),
             tuple(self.types.bits.values()),
@@ -149,7 +150,7 @@ class _Planner:
         groups = tuple(self._group(kind, place, names[group.name], group) for group in instance.groups)
         where = said_places([f"`{one.instance.path or one.instance.name}`" for one in kind.places])
         said = f"The constructor `{instance.constructor}`, expanded as {where}."
-        remark = Cpp.remark(sentences(instance.documentation, said))
+        remark = self.code.remark(sentences(instance.documentation, said))
         plan = ClassPlan(kind.name, remark, tuple(values), tuple(parts), groups, sets[0], sets[1])
         self.finished[kind.name] = plan
         return plan
@@ -167,7 +168,7 @@ class _Planner:
             self.types.of(quantity, place.facts.width(element)),
             tuple(place.positions[one.path] for one in elements),
             len(elements) if element.array else 0,
-            Cpp.remark(said),
+            self.code.remark(said),
         )
 
     def _part_plans(
@@ -185,9 +186,9 @@ class _Planner:
             ]
         for called, which, plan, count in rows:
             said = sentences(which[0].documentation, said_places([shown(part) for part in which]))
-            paths = tuple(Cpp.text(part.path) for part in which)
+            paths = tuple(self.code.text(part.path) for part in which)
             firsts = tuple(place.firsts[part.path] for part in which)
-            yield PartPlan(called, plan.name, firsts, paths, count, Cpp.remark(said))
+            yield PartPlan(called, plan.name, firsts, paths, count, self.code.remark(said))
 
     def _group(self, kind: _Kind, place: Place, name: str, group: Group) -> GroupPlan:
         stem = self.style.within(kind.name, name, _PART)
@@ -199,14 +200,14 @@ class _Planner:
             sets.append(made)
         listed = said_places([path for path, _ in pairs])
         said = sentences(group.documentation, f"{len(pairs)} words together: {listed}")
-        return GroupPlan(name, stem, Cpp.text(group.path), sets[0], sets[1], Cpp.remark(said))
+        return GroupPlan(name, stem, self.code.text(group.path), sets[0], sets[1], self.code.remark(said))
 
     def _robot(self, root: Instance, plan: ClassPlan) -> RobotPlan:
         facts = self.facts[root.name]
         memories = facts.memories()
         return RobotPlan(
             plan,
-            Cpp.text(root.name),
+            self.code.text(root.name),
             f"{plan.name}{'_tables' if self.style.plain else 'Tables'}",
             facts.links(),
             memories,
@@ -228,4 +229,4 @@ class _Planner:
             rate = f" at {group.rate_hz:g} Hz" if group.rate_hz else f" on {group.event or group.trigger}"
             said = f"What the gateware publishes{rate}, as `{group.name}`."
             made = self.sets.flat(stem, place, named, sampled=True, reserved=self._reserved())
-            yield StreamPlan(name, stem, Cpp.text(name), group.divisor, made, Cpp.remark(said))
+            yield StreamPlan(name, stem, self.code.text(name), group.divisor, made, self.code.remark(said))

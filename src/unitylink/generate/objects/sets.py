@@ -9,14 +9,12 @@ from typing import Union
 from unitylink.spec.model import Element
 from unitylink.values import Quantity
 
-from ..quoting import Cpp
 from .documentation import value_facts
 from .names import Names
 from .place import Place
 from .plan import PartPlan, SetMember, SetPlan, TypeName, ValuePlan
 from .types import Types
 
-_NONE = Cpp("")
 Named = Iterable[tuple[str, Element]]  # name of the member, and the value
 
 Listed = Union[SetMember, tuple[ValuePlan, Element]]  # the set of a part, or a value of its own
@@ -27,6 +25,7 @@ class Sets:
 
     def __init__(self, types: Types) -> None:
         self.types = types
+        self.code = types.dialect.code
         self.planned: list[SetPlan] = []
 
     def of_node(
@@ -48,11 +47,10 @@ class Sets:
                 made.append(self._member(place, plan.name, element, (plan.places, plan.count), sampled))
         return self._kept(name, place, made)
 
-    @staticmethod
-    def of_part(plan: PartPlan, inner: SetPlan) -> SetMember:
+    def of_part(self, plan: PartPlan, inner: SetPlan) -> SetMember:
         """Return the set of a part as a member of the set that contains it."""
-        kind = TypeName(Cpp.of("{}", inner.name))
-        return SetMember(plan.name, kind, plan.count, plan.places, inner, _NONE, plan.remark)
+        kind = TypeName(self.code.of("{}", inner.name))
+        return SetMember(plan.name, kind, plan.count, plan.places, inner, self.code(""), plan.remark)
 
     def flat(self, name: str, place: Place, named: Named, *, sampled: bool, reserved: set[str]) -> SetPlan:
         """Plan the set of a group, or of what is published: all values side by side."""
@@ -67,10 +65,10 @@ class Sets:
         self, place: Place, name: str, element: Element, where: tuple[tuple[int, ...], int], sampled: bool
     ) -> SetMember:
         quantity, width = Quantity.of(element), place.facts.width(element)
-        initial = _NONE
+        initial = self.code("")
         if not sampled and element.initial is not None:
             initial = self.types.literal(quantity, width, element.initial)
-        said = Cpp.remark(value_facts(element, quantity, [element]))
+        said = self.code.remark(value_facts(element, quantity, [element]))
         places, count = where
         return SetMember(name, self.types.of(quantity, width), count, places, None, initial, said)
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How C and C++ name the same things: `Joint` in the namespace `scara`, and `scara_joint`."""
+"""How C, C++ and Rust name the same things: `Joint` in the namespace `scara`, and `scara_joint`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from .dialect import CPP, Dialect
 from .names import Names, snake
 from .shapes import camel
 
@@ -18,6 +19,7 @@ class Style:
     prefix: str
     plain: bool
     reserved: frozenset[str]  # names that members cannot have
+    dialect: Dialect = CPP
     scope: Names = field(init=False)
 
     def __post_init__(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Enumerations and packed values as types of C and C++, and values as literals."""
+"""Enumerations and packed values as types of C, C++ and Rust, and values as literals."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from unitylink.spec.model import Spec
 from unitylink.spec.types import EnumType, ValueType
 from unitylink.values import Codec, Quantity, field_names
 
-from ..quoting import Cpp
+from ..quoting import Code
+from .dialect import C
 from .documentation import sentences
 from .facts import field_value, kind_of, member_numbers
 from .names import members
@@ -29,6 +30,7 @@ class Types:
 
     def __init__(self, spec: Spec, style: Style) -> None:
         self.style = style
+        self.dialect, self.code = style.dialect, style.dialect.code
         self.enums: dict[str, EnumPlan] = {}
         self.bits: dict[str, BitsPlan] = {}
         for enum in spec.enums:
@@ -40,77 +42,91 @@ class Types:
         """Return the type of a value that has `width` bits."""
         kind = quantity.type
         read_as = kind_of(kind, quantity)
+        code, rust = self.code, self.dialect.rust
         if read_as in ("SCALED", "REAL"):
-            return TypeName(Cpp("double"), "ul_get_double", "ul_put_double")
+            return TypeName(code("f64" if rust else "double"), "ul_get_double", "ul_put_double")
         if read_as == "BOOL":
-            return TypeName(Cpp("bool"), "ul_get_bool", "ul_put_bool")
+            return TypeName(code("bool"), "ul_get_bool", "ul_put_bool")
         if read_as == "ENUM" and kind.enum is not None:
             plan = self.enums[kind.enum.name]
-            return TypeName(Cpp.of("{}", plan.name), plan.get, plan.put)
+            return TypeName(code.of("{}", plan.name), plan.get, plan.put)
         if read_as == "BITS":
             packed = self.bits[kind.name]
-            return TypeName(Cpp.of("{}", packed.name), packed.get, packed.put)
-        bits, letter = whole_bits(width), "" if kind.signed else "u"
-        std = Cpp("" if self.style.plain else "std::")
-        short = f"{letter or 'i'}{bits}"
-        return TypeName(Cpp.of("{}{}int{}_t", std, letter, bits), f"ul_get_{short}", f"ul_put_{short}")
+            return TypeName(code.of("{}", packed.name), packed.get, packed.put)
+        name, short = self._whole(width, signed=kind.signed)
+        return TypeName(name, f"ul_get_{short}", f"ul_put_{short}")
 
-    def table_of(self, kind: ValueType) -> Cpp:
+    def _whole(self, width: int, *, signed: bool) -> tuple[Code, str]:
+        return self.dialect.whole(whole_bits(width), signed=signed)
+
+    def table_of(self, kind: ValueType) -> Code:
         """Return the name of the table of an enumeration's numbers, or a null pointer."""
         if kind.enum is None:
-            return Cpp("NULL" if self.style.plain else "nullptr")
-        return Cpp.of("{}", self.enums[kind.enum.name].numbers)
+            return self.dialect.null
+        return self.code.of("{}", self.enums[kind.enum.name].numbers)
 
-    def literal(self, quantity: Quantity, width: int, value: Any) -> Cpp:
+    def literal(self, quantity: Quantity, width: int, value: Any) -> Code:
         """Return a value of the spec as a literal of its type."""
         codec = Codec("initial", quantity, width)
         return self._literal(quantity, width, codec.encode(value))
 
-    def _literal(self, quantity: Quantity, width: int, raw: int) -> Cpp:
-        kind = quantity.type
+    def _literal(self, quantity: Quantity, width: int, raw: int) -> Code:
+        kind, code = quantity.type, self.code
         read_as = kind_of(kind, quantity)
         if read_as == "BITS":
             fields = []
-            for one in kind.fields:
+            for one, plan in zip(kind.fields, self.bits[kind.name].fields, strict=True):
                 size = one.high - one.low + 1
-                fields.append(self._literal(Quantity.of(one), size, raw >> one.low & (1 << size) - 1))
-            return Cpp.of("{{{}}}", Cpp(", ").join(fields))
+                told = self._literal(Quantity.of(one), size, raw >> one.low & (1 << size) - 1)
+                fields.append(code.of("{}: {}", plan.name, told) if self.dialect.rust else told)
+            name = self.of(quantity, width).name if self.dialect.rust else code("")
+            return code.of("{}{{{}}}", name, code(", ").join(fields))
         if read_as == "BOOL":
-            return Cpp("true") if raw & 1 else Cpp("false")
-        if read_as == "ENUM":
-            number = Cpp.of("{}U", raw)
-            return number if self.style.plain else Cpp.of("{}{{{}}}", self.of(quantity, width).name, number)
+            return code("true") if raw & 1 else code("false")
+        if read_as == "ENUM" and kind.enum is not None:
+            return self._member(self.enums[kind.enum.name], raw)
         number = Codec("initial", quantity, width).decode(raw)
         if read_as in ("SCALED", "REAL"):
-            return Cpp.of("{}", float(number))
+            return code.of("{}", float(number))
         if number == -(1 << 63):
-            return Cpp("INT64_MIN")
-        return Cpp.of("{}" if kind.signed else "{}U", int(number))
+            return code("i64::MIN" if self.dialect.rust else "INT64_MIN")
+        return code.of("{}", int(number)) if kind.signed else self.dialect.unsigned(int(number))
+
+    def _member(self, plan: EnumPlan, raw: int) -> Code:
+        number = self.dialect.unsigned(raw)
+        if not self.dialect.rust:
+            return number if self.style.plain else self.code.of("{}{{{}}}", plan.name, number)
+        if plan.open:
+            return self.code.of("{}({})", plan.name, number)
+        name = next(member.name for member in plan.members if member.value == raw)
+        return self.code.of("{}::{}", plan.name, name)
 
     def _enum(self, enum: EnumType) -> EnumPlan:
         style = self.style
         name = style.typedef(enum.name, _ENUM)
-        names = members([item.name for item in enum.values])
+        names = members([item.name for item in enum.values], self.dialect.keywords)
         if style.plain:
             names = {
                 item.name: style.scope.claim(f"{name.removesuffix('_t')}_{item.name}".upper())
                 for item in enum.values
             }
         rows = [
-            EnumMember(names[item.name], item.value, Cpp.remark(item.documentation)) for item in enum.values
+            EnumMember(names[item.name], item.value, self.code.remark(item.documentation))
+            for item in enum.values
         ]
         other = "; other numbers stay numbers" if enum.open else ""
         said = sentences(enum.documentation, f"The enumeration `{enum.name}` of {enum.width} bits{other}.")
-        bits = whole_bits(enum.width)
+        base, _ = C.whole(whole_bits(enum.width), signed=False)
         return EnumPlan(
             name,
-            f"uint{bits}_t",
+            self._whole(enum.width, signed=False)[0] if self.dialect.rust else base,
             f"{name}_get",
             f"{name}_put",
             f"{name}{'_numbers' if style.plain else 'Numbers'}",
-            Cpp.remark(said),
+            self.code.remark(said),
             tuple(rows),
-            member_numbers(enum),
+            member_numbers(enum, self.dialect),
+            enum.open,
         )
 
     def _bits(self, bits: ValueType) -> BitsPlan:
@@ -123,9 +139,11 @@ class Types:
             quantity, width = Quantity.of(one), one.high - one.low + 1
             unit = f", in {one.unit}" if one.unit else ""
             said = sentences(one.documentation, f"Bits {one.high} to {one.low}{unit}.")
-            fields.append(FieldPlan(spelled[one.name], self.of(quantity, width), one.low, Cpp.remark(said)))
-            facts.append(field_value(f"{bits.name}.{one.name}", one, self.table_of(one.type)))
+            fields.append(
+                FieldPlan(spelled[one.name], self.of(quantity, width), one.low, self.code.remark(said))
+            )
+            facts.append(field_value(f"{bits.name}.{one.name}", one, self.table_of(one.type), self.dialect))
         said = sentences(bits.documentation, f"The packed value `{bits.name}` of {bits.width} bits.")
         return BitsPlan(
-            name, f"{name}_get", f"{name}_put", table, Cpp.remark(said), tuple(fields), tuple(facts)
+            name, f"{name}_get", f"{name}_put", table, self.code.remark(said), tuple(fields), tuple(facts)
         )

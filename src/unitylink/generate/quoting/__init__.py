@@ -19,7 +19,8 @@ from types import MappingProxyType
 from .code import Code, Part, UnquotedText, file_name, one_line
 from .cpp import Cpp
 from .python import Python
-from .scripts import CMake, Markdown, Message, Shell, Tcl, Yaml
+from .rust import Rust
+from .scripts import CMake, Markdown, Message, Shell, Tcl, Toml, Yaml
 from .vhdl import Vhdl
 from .xml import Html, Xacro, Xml
 
@@ -33,8 +34,10 @@ __all__ = [
     "Message",
     "Part",
     "Python",
+    "Rust",
     "Shell",
     "Tcl",
+    "Toml",
     "UnquotedText",
     "Vhdl",
     "Xacro",
@@ -56,9 +59,11 @@ LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
         ".md": Markdown,
         ".msg": Message,
         ".py": Python,
+        ".rs": Rust,
         ".sh": Shell,
         ".srv": Message,
         ".tcl": Tcl,
+        ".toml": Toml,
         ".txt": CMake,
         ".vhd": Vhdl,
         ".xacro": Xacro,

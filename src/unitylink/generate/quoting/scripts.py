@@ -98,3 +98,9 @@ class Tcl(Code):
         if not set(text) & set("{}\\"):
             return cls(f"{{{text}}}")
         return cls(re.sub(r"([^A-Za-z0-9_./,=:+-])", r"\\\1", text, flags=re.ASCII))
+
+
+class Toml(Code):
+    """A manifest of Cargo. Only names come into it."""
+
+    __slots__ = ()

@@ -90,6 +90,11 @@ def _cpp(text: str) -> Hashable:
     return readings.pop()
 
 
+_RUST = re.compile(
+    r"""(?P<remark>//[^\n]*|/\*.*?\*/)|(?P<text>"(?:[^"\\]|\\.)*")
+    |(?P<token>'(?:[^'\\\n]|\\[^\n]+?)'|'?[A-Za-z_]\w*|[0-9][\w.]*|\s+|[^\s"'])""",
+    re.VERBOSE | re.DOTALL | re.ASCII,
+)
 _VHDL = re.compile(
     r"""(?P<remark>--[^\n]*|/\*.*?\*/)|(?P<text>"(?:[^"\n]|"")*")
     |(?P<token>\\(?:[^\\\n]|\\\\)*\\|'.'|[A-Za-z]\w*|[0-9]\w*|\s+|[^\s"])""",
@@ -244,10 +249,12 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".md": _markdown,
     ".msg": _message,
     ".py": _python,
+    ".rs": _of(_RUST),
     ".sdc": _of(_TCL),
     ".sh": _of(_SHELL),
     ".srv": _message,
     ".tcl": _of(_TCL),
+    ".toml": _of(_LINES),
     ".txt": _of(_CMAKE),
     ".vhd": _vhdl,
     ".xacro": _xml,
