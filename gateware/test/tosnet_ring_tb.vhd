@@ -365,7 +365,7 @@ begin
     reset <= (others => '0');
 
     if refused /= "" then
-      wait for 4 * start_limit;
+      wait for start_limit; -- a ring that may run does within it: see all_run
       check((or running) = '0' and fresh = naturals_t'(ring'range => 0), "a ring runs that must not");
       for place in ring'range loop
         found := found or trouble(place) = expected_trouble;
