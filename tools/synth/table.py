@@ -246,6 +246,7 @@ ROWS = (
         cells_most=1000,
         mhz_least=50.0,
         memories_most=6,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "quadrature_encoder",
@@ -411,6 +412,12 @@ ROWS = (
         top="narrow_foc",
         mhz_least=50.0,
         ecp5_mhz_least=100.0,
+    ),
+    Row(
+        "sigma_delta_adc",
+        "a component: two channels of sinc3 behind sigma-delta modulators, with trips",
+        top="narrow_sigma_delta_adc",
+        mhz_least=50.0,
     ),
     Row(
         "hall",
