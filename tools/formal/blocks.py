@@ -6,6 +6,7 @@ from __future__ import annotations
 from block import Block, Mutant
 from bus_blocks import BUS_BLOCKS
 from component_blocks import COMPONENT_BLOCKS
+from device_blocks import DEVICE_BLOCKS
 from line_blocks import LINE_BLOCKS
 from loop_blocks import LOOP_BLOCKS
 from physical_blocks import PHYSICAL_BLOCKS
@@ -398,4 +399,5 @@ BLOCKS = (
     *SENSOR_BLOCKS,
     *LOOP_BLOCKS,
     *LINE_BLOCKS,
+    *DEVICE_BLOCKS,
 )
