@@ -56,8 +56,8 @@ class Wires:
                 self._connect(here, sink, source)
             for name, value in tile.values.items():
                 if value == "DCCA":
-                    side, number = name[4], name.partition(".")[0][5:]  # DCC_L3.MODE
-                    self._gated.add(f"G_CLKO_{side}DCC{number}")
+                    gate = name.removeprefix("DCC_").removesuffix(".MODE")  # L3
+                    self._gated.add(f"G_CLKO_{gate[0]}DCC{gate[1:]}")
                 if (found := _ROUTED.fullmatch(name)) and value in "01":
                     # the database names the bits of a reset or a clock that is always 1 by a 0
                     one = value == "1" or found[1].startswith(("JLSR", "JCLK"))
