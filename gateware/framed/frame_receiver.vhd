@@ -85,7 +85,7 @@ architecture rtl of frame_receiver is
   signal frame_index : index_t := (others => '0');  -- first byte of the frame
   signal write_index : index_t;                     -- place of the next byte
   signal accepts, border, stores, outside_now : std_ulogic;
-  signal free_bytes               : index_t;
+  signal free_bytes : index_t := (others => '1');   -- of the ring, a clock ago
   signal at_code                  : std_ulogic;  -- the byte that leaves the delay is a code byte
   signal stored                   : byte_t;
   signal full                     : std_ulogic := '0';
@@ -128,7 +128,6 @@ begin
   outside_now <= '1' when frame_data(7 downto 1) = outside_kinds else '0';
 
   write_index <= frame_index + resize(length, index_bits);
-  free_bytes  <= start_index - write_index - 1;
 
   at_code <= nor run;
   stored  <= delay(2) when at_code = '0' else (others => '0');
@@ -250,11 +249,13 @@ begin
       elsif done = '1' and record_out(15) = '1' then
         paused <= '0';
       end if;
-      -- It is set a few bytes early, because it comes one clock late.
-      full <= nor free_bytes(free_bytes'left downto 2);
+      -- It is set a few bytes early, because it comes two clocks late.
+      free_bytes <= start_index - write_index - 1;
+      full       <= nor free_bytes(free_bytes'left downto 2);
       if reset = '1' then
-        paused <= '0';
-        full   <= '0';
+        paused     <= '0';
+        free_bytes <= (others => '1');
+        full       <= '0';
       end if;
     end if;
   end process;
