@@ -119,9 +119,9 @@ def test_the_page_says_how_far_each_proof_goes(tools: Any) -> None:
     assert {name: int(depth) for name, depth in said} == bounded
     left = re.findall(r"`(\w+)`", rows["in no proof"])
     assert left == tools("page").in_no_proof()
-    # These rows are about the lines, that is about absolute_encoder_line and spi_master.
-    assert set(left) & set(RECORD) == {"absolute_encoder", "spi_device"}
-    assert not {"absolute_encoder_line", "spi_master"} & set(left)
+    # These rows are about the lines, that is about absolute_encoder_line, spi_master and i2c_device_master.
+    assert set(left) & set(RECORD) == {"absolute_encoder", "spi_device", "i2c_device"}
+    assert not {"absolute_encoder_line", "spi_master", "i2c_device_master"} & set(left)
 
 
 def test_the_small_engine_has_an_effect_only_where_the_facts_allow_it(tools: Any) -> None:
