@@ -229,7 +229,7 @@ system)
   need mosquitto mosquitto eval 'PATH=$PATH:/usr/sbin command -v mosquitto'   # the broker of the tests of MQTT
   need openssl openssl command -v openssl                              # makes the certificates of the tests of TLS
   need tshark tshark command -v tshark                                 # opens captures with our dissector
-  need EGL libegl1 "$python" -c 'import ctypes; ctypes.CDLL("libEGL.so.1")'   # draws models without a display
+  need EGL libegl1 eval 'ls /usr/lib/*/libEGL.so.1'                      # draws models without a display
   need "OpenGL in software" libgl1-mesa-dri eval 'ls /usr/lib/*/dri/swrast_dri.so'
   need_ros
   need_rust
