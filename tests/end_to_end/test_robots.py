@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,6 +41,10 @@ class Robot(NamedTuple):
     topics: dict[str, str]
     start: Callable[[Node], None]  # lets it move for as long as nobody stops it
     moved: Callable[[Board], float]  # a number that stays the same when its outputs are safe
+
+
+def has_moved(robot: Robot, board: Board, before: float) -> bool:
+    return robot.moved(board) != before
 
 
 def moves(true: Callable[[], bool]) -> bool:
@@ -177,7 +182,7 @@ def test_a_robot_rests_when_its_line_is_cut(name: str, kind: type[Board]) -> Non
             with connect(f"{board.url}?protocol=framed&timeout=2&deadman={SILENCE_S}") as link:
                 robot.start(load_spec_objects(spec, link))
                 before = robot.moved(board)
-                if moves(lambda was=before: robot.moved(board) != was):
+                if moves(partial(has_moved, robot, board, before)):
                     board.hang_up()
                     rests(board, name)
                     return
