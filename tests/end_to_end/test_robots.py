@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,15 +42,11 @@ class Robot(NamedTuple):
     moved: Callable[[Board], float]  # a number that stays the same when its outputs are safe
 
 
-def has_moved(robot: Robot, board: Board, before: float) -> bool:
-    return robot.moved(board) != before
-
-
-def moves(true: Callable[[], bool]) -> bool:
+def moves(robot: Robot, board: Board, before: float) -> bool:
     end = time.monotonic() + PATIENCE_S / TRIES
-    while not true() and time.monotonic() < end:
+    while robot.moved(board) == before and time.monotonic() < end:
         time.sleep(0.002)
-    return true()
+    return robot.moved(board) != before
 
 
 def until(true: Callable[[], bool]) -> None:
@@ -182,7 +177,7 @@ def test_a_robot_rests_when_its_line_is_cut(name: str, kind: type[Board]) -> Non
             with connect(f"{board.url}?protocol=framed&timeout=2&deadman={SILENCE_S}") as link:
                 robot.start(load_spec_objects(spec, link))
                 before = robot.moved(board)
-                if moves(partial(has_moved, robot, board, before)):
+                if moves(robot, board, before):
                     board.hang_up()
                     rests(board, name)
                     return

@@ -18,8 +18,9 @@ from unitylink.gateware import find_program, map_cells, ports_of, run_tool
 from ..rtl.build import Progress, build_of_netlist, netlist_of, on_terminal
 from ..rtl.cache import cached
 from ..rtl.design import RtlDesign, RtlModel
-from . import ecp5, ice40
+from . import ecp5
 from .chip import CELLS, Chip
+from .unpack import UNPACKERS
 
 _CLOCK_HZ = 12_000_000  # nothing here depends on it, because there is no PLL
 
@@ -44,12 +45,9 @@ class BareChip:
 
     def unpack(self, bitstream: bytes, clock_site: str) -> Chip:
         """Return the logic of a bitstream for this chip."""
-        if self.family == "ice40":
-            return ice40.unpack(
-                bitstream, device=self.device, package=None, clock_site=clock_site, clock_hz=_CLOCK_HZ
-            )
-        return ecp5.unpack(
-            bitstream, device=self.device, package=self.package, clock_site=clock_site, clock_hz=_CLOCK_HZ
+        package = None if self.family == "ice40" else self.package  # see `site`
+        return UNPACKERS[self.family](
+            bitstream, device=self.device, package=package, clock_site=clock_site, clock_hz=_CLOCK_HZ
         )
 
 

@@ -8,6 +8,8 @@ from unitylink.boards import Board
 from . import ecp5, ice40
 from .chip import Chip
 
+UNPACKERS = {"ice40": ice40.unpack, "ecp5": ecp5.unpack}
+
 
 def unpack(bitstream: bytes, board: Board) -> Chip:
     """Return the logic that `bitstream` puts into the chip of `board`.
@@ -15,8 +17,7 @@ def unpack(bitstream: bytes, board: Board) -> Chip:
     Raises ToolError if a program is missing, or if the bitstream has a part that is not modelled. Raises
     BoardError if the file is not a bitstream of this chip.
     """
-    of_family = {"ice40": ice40.unpack, "ecp5": ecp5.unpack}[board.family]
-    return of_family(
+    return UNPACKERS[board.family](
         bitstream,
         device=board.device,
         package=board.package,

@@ -75,7 +75,7 @@ class _Netlist:
         self._nets: dict[Wire, str] = {}
         self._new: list[Wire] = []
         self._clocks: set[Wire] = set()
-        self._inputs: dict[str, str] = {}  # site -> net
+        self._inputs: list[str] = []  # sites
 
     def _pins_of(self, chip: Device) -> Iterator[_Pin]:
         for site, (row, column, letter) in chip.sites.items():
@@ -159,7 +159,7 @@ class _Netlist:
         row, column, name = begin
         made = self._nets[begin]
         if (pin := self._pins.get(begin)) is not None:
-            self._inputs[pin.site] = made
+            self._inputs.append(pin.site)
             outside = f"pin_{pin.site}_in"
             both = f"pin_{pin.site}_drive ? pin_{pin.site}_out : {outside}"
             yield f"assign {made} = {both if pin.way == 'BIDIR' else outside};"
