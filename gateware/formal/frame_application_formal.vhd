@@ -5,8 +5,11 @@
 --
 -- The state memory of the application is left out. A word of it has any value at each look, except for its constants.
 -- So a loaded epoch has any value, a session may be open at power-up, and what goes through the memory may end
--- anywhere. The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at
--- any time. frame_sequencer_formal proves that instructions come from the positions that the sequencer decides.
+-- anywhere.
+--
+-- The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at any time.
+-- Instructions come from the positions that the sequencer decides. frame_sequencer_formal proves that they are the
+-- same.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -81,12 +84,14 @@ architecture properties of frame_application_formal is
     spec_hash => x"0000000000000000");
 
   constant content : word_memory_t := memory_content(settings);
+
   constant program : frame_program_t := frame_program_for(settings);
 
   signal position_ahead, position_now : unsigned(7 downto 0) := (others => '0');
   signal idle : std_ulogic := '1';  -- nothing is executed
 
   subtype constants_t is natural range word_zero to word_two;
+
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
   signal started : std_ulogic := '0';  -- and so is the start of the program after it
 
@@ -313,8 +318,7 @@ begin
       first_clock => first_clock, jump => jump, begins => begins, turns => turns, sees_missing => sees_missing,
       sees_not_new => sees_not_new, sees_failed => sees_failed, marks => marks, stands => stands,
       waiting => request.entry, chosen => entry_now, entry => entry, frame => frame, routine => routine,
-      bus_open => bii.valid, accesses => accesses, memories => memories, judgements => judgements, judged => judged,
-      judged_id => judged_id, id => id, holds => in_place);
+      bus_open => bii.valid, accesses => accesses, memories => memories, judgements => judgements, holds => in_place);
 
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
@@ -342,7 +346,7 @@ begin
                 next (reply_idle = '1');
 
   -- A frame in work is marked as done when the work ends.
-  done_once : assert always begun = '1' -> in_place = '1' and holds(at_rest = '0' or frame = '0' or dones = 1);
+  done_once : assert always at_rest = '1' and frame = '1' -> dones = 1;
 
   -- It is marked as done once, and no other frame is.
   nothing_done_else : assert always begun = '1' and request_done = '1' -> stands = '1' and frame = '1' and dones = 0;
@@ -376,12 +380,11 @@ begin
                  (entry = entry_session and unsigned(reply.data) = device_kind_closed_c));
 
   -- The bus is opened only in a session, and once. This happens for a READ or WRITE whose id is new, or for a POST.
-  opened_if_asked : assert always begun = '1' ->
-    in_place = '1' and holds(bii.valid = '0' or
-                         (in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
+  opened_if_asked : assert always begun = '1' and bii.valid = '1' ->
+                    holds(in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
                           ((entry = request_kind_read_c mod 16 and fresh = '1' and bii.write = '0') or
                            (entry = request_kind_write_c mod 16 and fresh = '1' and bii.write = '1') or
-                           (entry = request_kind_post_c mod 16 and bii.write = '1'))));
+                           (entry = request_kind_post_c mod 16 and bii.write = '1')));
 
   -- The bus is never opened with a hold.
   bus_not_held : assert always begun = '1' -> bii.block_hold = '0';
@@ -394,8 +397,7 @@ begin
                    id = id_before and id = id_then and (other or other_before) = '0' and instruction(do_before) = '0';
 
   -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
-  new_is_remembered : assert always begun = '1' ->
-    in_place = '1' and holds(remember = '0' or (memories = 0 and judged = '1' and id = judged_id));
+  new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
 
   -- The program does not loop: no id is judged more than twice.
   judged_twice_most : assert always begun = '1' -> in_place = '1' and judgements <= 2;
@@ -435,12 +437,6 @@ begin
                       not (to_integer(word_index) < control_frames_c) and
                       not (to_integer(word_index) >= constants_t'low and to_integer(word_index) <= constants_t'high));
 
-  -- An access begins.
-  opened_seen : cover {begun = '1' and bii.valid = '1'};
-  -- The cache is asked about an id.
-  judged_seen : cover {begun = '1' and judges = '1'};
-  -- An id is remembered.
-  remember_seen : cover {begun = '1' and remember = '1'};
   -- A READ is answered.
   read_seen : cover {at_rest = '1' and entry = request_kind_read_c mod 16 and accesses = 1 and kinds = 1};
 

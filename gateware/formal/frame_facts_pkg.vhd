@@ -18,7 +18,7 @@ use work.protocol_pkg.all;
 package frame_facts_pkg is
 
   -- Each bit says that something may be so. What may not be so is the fact.
-  subtype facts_t is std_ulogic_vector(10 downto 0);
+  subtype facts_t is std_ulogic_vector(9 downto 0);
 
   constant first        : natural := 0;  -- the program comes here without mark_repeated
   constant repeats      : natural := 1;  -- and with it
@@ -30,7 +30,6 @@ package frame_facts_pkg is
   constant strange      : natural := 7;  -- the work is not a request with an id
   constant in_routine   : natural := 8;  -- this is in a routine
   constant returned_to  : natural := 9;  -- a routine returns to this place
-  constant unjudged     : natural := 10; -- the cache has not called this id new, and mark_repeated is not set
 
   type facts_table_t is array (0 to 255) of facts_t;
 
@@ -72,14 +71,8 @@ package body frame_facts_pkg is
     variable f : facts_t := facts;
   begin
     f(returned_to) := '0';
-    if i(take_f) = take_id then
-      f(unjudged) := '1';
-    end if;
     if to_integer(unsigned(i(condition_f))) = if_not_new then
       f(judged_more downto judged_once) := f(judged_twice downto judged_once) & f(first);
-    end if;
-    if not jumps and to_integer(unsigned(i(condition_f))) = if_not_new then
-      f(unjudged) := '0';
     end if;
     if not jumps then
       f(touched) := f(touched) or i(do_read) or i(do_write);
@@ -102,7 +95,6 @@ package body frame_facts_pkg is
     end if;
     if f(first) = '0' then
       f(judged_more downto judged_once) := "000";
-      f(unjudged) := '0';
     end if;
     if f(first) = '0' and f(repeats) = '0' then
       f := (others => '0');
@@ -119,11 +111,9 @@ package body frame_facts_pkg is
     table(0)(first)   := '1';
     table(0)(repeats) := '1';
     table(0)(strange) := '1';
-    table(0)(unjudged) := '1';
     for entry in 0 to 31 loop
       if begins_work(entry) then
-        table(first_of_entries + place_of(entry))(first)    := '1';
-        table(first_of_entries + place_of(entry))(unjudged) := '1';
+        table(first_of_entries + place_of(entry))(first) := '1';
         if not has_id(entry) then
           table(first_of_entries + place_of(entry))(strange) := '1';
         end if;

@@ -38,8 +38,6 @@ entity frame_places is
     accesses        : in natural range 0 to 2;
     memories        : in natural range 0 to 2;
     judgements      : in natural range 0 to 3;
-    judged          : in std_ulogic;              -- the cache has called `judged_id` new
-    judged_id, id   : in std_ulogic_vector(15 downto 0);
     holds           : out std_ulogic
   );
 end entity;
@@ -57,7 +55,6 @@ begin
     variable repeated  : std_ulogic;
     variable starts    : boolean;              -- nothing was executed since the reset
     variable ok        : boolean;
-    variable same      : boolean;              -- the id is the one that was judged
 
     impure function is_true(place : natural; here : std_ulogic) return boolean is
       variable f : facts_t;
@@ -68,7 +65,6 @@ begin
              (repeated = '1' or ((f(judged_once) = '1' or judgements < 1) and
                                  (f(judged_twice) = '1' or judgements < 2))) and
              (f(touched) = '1' or (accesses = 0 and bus_open = '0')) and (f(noted) = '1' or memories = 0) and
-             (repeated = '1' or f(unjudged) = '1' or (judged = '1' and same)) and
              (f(strange) = '1' or (has_id(entry) and frame = '1' and stands = '1' and unsigned(waiting) = entry));
     end function;
 
@@ -81,12 +77,6 @@ begin
     condition := to_integer(unsigned(now(condition_f)));
     repeated  := or (marks and byte_t(to_unsigned(mark_repeated, 8)));
     starts    := busy = '1' and idle = '1' and first_clock = '1';
-
-    -- It is sent byte by byte, and rotates meanwhile.
-    same := id = judged_id;
-    if idle = '0' and now(source_f) = from_id and turns = 0 then
-      same := id(7 downto 0) & id(15 downto 8) = judged_id;
-    end if;
 
     following := resize(unsigned(now(following_f)), 8);
     if now(do_return) = '1' then

@@ -326,14 +326,7 @@ BLOCKS = (
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
         depth=0,
         deep=35,
-        for_ever=(
-            "failure_is_remembered",
-            "executed_is_remembered",
-            "new_is_remembered",
-            "opened_if_asked",
-            "done_once",
-            "judged_twice_most",
-        ),
+        for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most"),
         without=(
             ("frame_application", "memory"),
             ("frame_application", "cache"),
