@@ -49,6 +49,8 @@
 #   make fresh   runs each target of this list in its short form, each in a new clone with an empty home and empty
 #                caches (TARGETS="bench soak": these only; DOWNLOADS=FOLDER: keep pip's there, so fetching them is not
 #                tried again; DEBIAN=1: as root, each on a bare Debian, with apt-get)
+# Else each program that a test starts would compile the library again.
+unexport PYTHONDONTWRITEBYTECODE
 SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin

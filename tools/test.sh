@@ -8,7 +8,6 @@ cd "$(dirname "$0")/.."
 bin=.venv/bin
 logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
-unset PYTHONDONTWRITEBYTECODE             # else each of the programs that the tests start compiles the library again
 # To pip this means: compile nothing. What is imported is compiled then, a small part of what is installed.
 export PIP_NO_COMPILE=0
 say() { printf '\n=== %s\n' "$1"; }
@@ -44,6 +43,8 @@ library() { make --no-print-directory build; }
 sources() {
   tools/setup.sh group test
   tools/check.sh sources
+  # Once, so that the workers find the tests compiled. Else each of them would compile all of them.
+  "$bin/python" -m pytest "${tests[@]}" -q --collect-only > /dev/null
 }
 packages() {
   for name in demo wheel docs boards browser; do tools/setup.sh group "$name"; done

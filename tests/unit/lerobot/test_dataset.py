@@ -12,7 +12,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
@@ -117,6 +116,8 @@ def test_episodes_tasks_and_statistics(tmp_path: Path) -> None:
     assert (row["episode_index"], row["length"], row["tasks"]) == (1, 3, ["hold"])
     assert (row["dataset_from_index"], row["dataset_to_index"], row["data/file_index"]) == (4, 7, 1)
     assert row["stats/action/max"] == [4.0] and row["stats/action/count"] == [3]
+    import pandas as pd  # this takes long, so only one worker imports it
+
     tasks = pd.read_parquet(tmp_path / "meta/tasks.parquet")
     assert tasks.index.name == "task" and tasks["task_index"].to_dict() == {"reach": 0, "hold": 1}
     stats = json.loads((tmp_path / "meta/stats.json").read_text())
