@@ -6,26 +6,32 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from urllib.parse import parse_qsl
 
 import click
 
 from unitylink.dashboard.place import is_loopback
+from unitylink.errors import UnityLinkError
 
 from .failure import Failure
 from .several_options import Command, with_options
 
 if TYPE_CHECKING:
+    from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.spec.model import Spec
+    from unitylink.zenoh.bridge.bridge import Bridge
+    from unitylink.zenoh.keys import Keys
     from unitylink.zenoh.session import Network
 
 
 _LOCATOR = re.compile(r"[a-z_]+/(?:\[(?P<six>[^\]]+)\]|(?P<host>[^:/?#]+)):(?P<port>\d+)(?P<rest>[?#].*)?")
 _LOOK_S = 0.2
+_WHERE = ("connect", "listen", "config")
 _OPTIONS = (
     click.option(
         "--key", metavar="NAME", help="Of the robot on Zenoh: lab/arm1. By default unitylink/ROBOT."
@@ -78,13 +84,20 @@ class ZenohOptions:
             if not is_loopback(host) and not self.anyone:
                 raise click.UsageError(
                     f"--listen {self.listen}: other machines could reach the robot, and what goes there is "
-                    "not encrypted; if you want that, add --anyone, or say it with TLS in a --zenoh-config"
+                    "not encrypted; if you want that, add --anyone, or say it with TLS in a file of Zenoh"
                 )
         self.rights()
 
+    @property
+    def exposed(self) -> bool:
+        """Whether other machines reach the robot, and what goes there is not encrypted."""
+        match = _LOCATOR.fullmatch(self.listen or self.connect or "")
+        if match is None or match[0].startswith(("tls/", "quic/")):
+            return False
+        return not is_loopback(match["six"] or match["host"])
+
     def rights(self) -> Rights:
         """Return what all clients may do."""
-        from unitylink.errors import UnityLinkError
         from unitylink.server.scopes import Rights
 
         try:
@@ -113,6 +126,38 @@ class ZenohOptions:
             ways.append((Network(connect=ROUTER), Network(connect=ROUTER)))
         return ways
 
+    def keys(self, robot: str) -> Keys:
+        """Return the keys of a robot, by default those of its own name. Raises UrlError for a wildcard."""
+        from unitylink.zenoh.keys import Keys
+
+        return Keys(self.key or f"unitylink/{robot}")
+
+    def opened(
+        self,
+        robot: Robot,
+        spec_text: str,
+        *,
+        token: str,
+        reads: str,
+        told: Callable[[str], None] | None = None,
+    ) -> tuple[Bridge, str]:
+        """Return the bridge of `robot` (its class tells the rest), and the place of its router."""
+        from unitylink.errors import LinkNotFound
+        from unitylink.zenoh.bridge.bridge import Bridge
+
+        keys, ways = self.keys(robot.spec.roots[0].name), self.networks()
+        while True:
+            network, publishing = ways.pop(0)
+            try:
+                bridge = Bridge(
+                    robot, keys, network, publishing, spec_text, token=token, reads=reads, told=told
+                )
+            except LinkNotFound:
+                if not ways:
+                    raise
+            else:
+                return bridge, publishing.connect or publishing.config
+
     def _place(self, locator: str) -> tuple[str, int]:
         match = _LOCATOR.fullmatch(locator)
         if match is None:
@@ -120,9 +165,30 @@ class ZenohOptions:
         return match["six"] or match["host"], int(match["port"])
 
 
+def read_zenoh(text: str, *, anyone: bool, may: Sequence[str]) -> ZenohOptions:
+    """Return what NAME[?connect=LOCATOR] says, the `--zenoh` of `unitylink serve`. Raises UsageError."""
+    name, _, query = text.partition("?")
+    where: dict[str, str] = {}
+    for key, value in parse_qsl(query, keep_blank_values=True):
+        if key not in _WHERE or not value or where:
+            raise click.UsageError(
+                f"--zenoh {text}: expected NAME, or NAME with one of ?connect=LOCATOR, ?listen=LOCATOR and "
+                "?config=FILE"
+            )
+        where[key] = value
+    options = ZenohOptions(
+        name, where.get("connect"), where.get("listen"), where.get("config"), anyone, may, None
+    )
+    try:
+        options.keys("")
+        options.check()
+    except (click.UsageError, UnityLinkError) as error:
+        raise click.UsageError(f"--zenoh {text}: {error}") from None
+    return options
+
+
 def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     """Serve the robot until a signal, or until something ends it. Return the exit code."""
-    from unitylink.errors import LinkNotFound
     from unitylink.program import stopped_by_signals
     from unitylink.server.audit import Audit
     from unitylink.server.log_file import LogFile, check_writable
@@ -130,12 +196,10 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
     from unitylink.server.tokens import Tokens, User, digest, new_token
-    from unitylink.zenoh.bridge.bridge import Bridge
-    from unitylink.zenoh.keys import Keys
     from unitylink.zenoh.spec_files import pack_spec
 
     root = spec.roots[0].name
-    keys = Keys(options.key or f"unitylink/{root}")
+    options.keys(root)  # a name that cannot be is said before a board is touched
     if options.audit_file is not None:
         check_writable(options.audit_file, "--audit")
     token, reading = new_token(), new_token()
@@ -152,19 +216,9 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
         secret.write(reading)
         secret.flush()
         reads = f"serve://{server.place}/{root}?token_file={secret.name}"
-        ways = options.networks()
-        for number, (network, publishing) in enumerate(ways, 1):
-            try:
-                opened = Bridge(
-                    robot, keys, network, publishing, pack_spec(file, root), token=token, reads=reads
-                )
-            except LinkNotFound:
-                if number == len(ways):
-                    raise
-                continue
-            break
-        bridge = stack.enter_context(opened)
-        _announce(spec, keys.name, publishing.connect or publishing.config, robot.url)
+        bridge, where = options.opened(robot, pack_spec(file, root), token=token, reads=reads)
+        stack.enter_context(bridge)
+        _announce(spec, bridge.keys.name, where, robot.url)
         while not stop.wait(_LOOK_S) and not bridge.ended.is_set():
             pass
         trouble = bridge.trouble

@@ -87,6 +87,7 @@ def command(
     mqtt: str | None,
     mqtt_password_file: str | None,
     plotjuggler: str | None,
+    zenoh: str | None,
     may: tuple[tuple[str, str], ...],
     metrics_file: str | None,
     check_config: bool,
@@ -108,14 +109,15 @@ def command(
     Programs say whom they trust: ?tls_ca=FILE in the URL.
 
     With --page, people share the board with the programs: at any time, one of them all writes a part. The
-    page is for one board, which must be there at the start. With --foxglove, --mqtt and --plotjuggler,
-    other tools see the board, too.
+    page is for one board, which must be there at the start. With --foxglove, --mqtt, --plotjuggler and
+    --zenoh, other tools and machines see the board, too.
 
     \b
     Examples:
       unitylink serve serial:/dev/ttyUSB0 arm.ul
       unitylink serve sim:arm.ul arm.ul --page 8080
       unitylink serve sim:arm.ul arm.ul --foxglove 8765 --plotjuggler 127.0.0.1:9870
+      unitylink serve sim:arm.ul arm.ul --zenoh lab/arm1 --may zenoh write
       unitylink serve left=tcp://10.0.0.7:5555 right=tcp://10.0.0.8:5555 arm.ul --token-file tokens.toml
       unitylink serve serial:/dev/ttyUSB0 arm.ul --token-file tokens.toml --check-config
       unitylink serve sim:arm.ul arm.ul --listen 0.0.0.0:7450 --anyone --tls-cert cert.pem --tls-key key.pem
@@ -148,7 +150,7 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
-    streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, may, tls)
+    streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, zenoh, may, tls)
     streams.check(anyone=anyone)
     known = len(tokens)
     own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
@@ -189,7 +191,7 @@ def command(
                 page_url = _serve_page(pages, server, reads, spec, place=place, extras=more)
             if streams.any:
                 reads = _url_for(pages, server, own_tokens["streams"])
-                opened = streams.opened(robots[0], reads, own_tokens)
+                opened = streams.opened(robots[0], reads, own_tokens, spec_file)
                 lines = pages.enter_context(opened)
             trust = f"?tls_ca={tls_cert}" if tls else ""
             _announce(server, spec, spec_file, fresh, as_json, trust=trust, page=page_url, streams=lines)

@@ -13,6 +13,7 @@ import click
 from unitylink.dashboard.place import Place, is_loopback, read_place
 from unitylink.errors import UnityLinkError
 
+from .bridge_zenoh import ZenohOptions, read_zenoh
 from .serving import place_of
 from .several_options import Command, with_options
 from .tls_options import exposed
@@ -37,6 +38,11 @@ _OPTIONS = (
     ),
     click.option("--plotjuggler", metavar="HOST:PORT", help="Send samples to PlotJuggler, as JSON over UDP."),
     click.option(
+        "--zenoh",
+        metavar="NAME[?connect=LOCATOR]",
+        help="Also put the board on a Zenoh network, under this name, such as lab/arm1.",
+    ),
+    click.option(
         "--may",
         nargs=2,
         multiple=True,
@@ -44,7 +50,7 @@ _OPTIONS = (
         help="What a tool may do, such as mqtt 'write j1.*'. Without it, a tool reads everything.",
     ),
 )
-TOOLS = ("foxglove", "mqtt", "plotjuggler")
+TOOLS = ("foxglove", "mqtt", "plotjuggler", "zenoh")
 
 
 def stream_options(command: Command) -> Command:
@@ -60,6 +66,7 @@ class StreamOptions:
     mqtt: str | None
     mqtt_password_file: str | None
     plotjuggler: str | None
+    zenoh: str | None
     may: Sequence[tuple[str, str]]
     tls: TlsFiles | None = None  # for the clients of Foxglove
 
@@ -82,6 +89,8 @@ class StreamOptions:
             self._mqtt()
         elif self.mqtt_password_file is not None:
             raise click.UsageError("--mqtt-password-file: add --mqtt, too")
+        if self.zenoh is not None:
+            self._zenoh(anyone=anyone)
 
     def unencrypted(self) -> Iterator[str]:
         """Yield what goes over a network as it is."""
@@ -91,6 +100,8 @@ class StreamOptions:
             yield f"what goes to PlotJuggler (--plotjuggler {self.plotjuggler}), which takes nothing else"
         if self.mqtt is not None and not self._mqtt().secure and not is_loopback(self._mqtt().host):
             yield f"what goes to and from {self._mqtt()}; mqtts: is encrypted"
+        if self.zenoh is not None and self._zenoh(anyone=True).exposed:
+            yield f"what goes over Zenoh (--zenoh {self.zenoh}); a ?config=FILE can have TLS"
 
     def users(self, *, fresh: bool) -> dict[str, Rights]:
         """Return the rights of the users that are part of the server: who reads, and who is at a tool.
@@ -102,8 +113,9 @@ class StreamOptions:
         users = {"streams": Rights.of(["read"])} if self.any else {}
         if self.foxglove is not None and fresh:
             users["foxglove"] = self._rights("foxglove")
-        if self.mqtt is not None:
-            users["mqtt"] = self._rights("mqtt")
+        for tool in ("mqtt", "zenoh"):
+            if getattr(self, tool) is not None:
+                users[tool] = self._rights(tool)
         return users
 
     def _rights(self, tool: str) -> Rights:
@@ -134,17 +146,26 @@ class StreamOptions:
             )
         return host or "127.0.0.1", port
 
+    def _zenoh(self, *, anyone: bool) -> ZenohOptions:
+        assert self.zenoh is not None
+        may = [scope for tool, scope in self.may if tool == "zenoh"] or ["read"]
+        return read_zenoh(self.zenoh, anyone=anyone, may=may)
+
     @contextmanager
-    def opened(self, robot: Robot, url: str, tokens: Mapping[str, str]) -> Iterator[list[str]]:
+    def opened(
+        self, robot: Robot, url: str, tokens: Mapping[str, str], spec_file: str
+    ) -> Iterator[list[str]]:
         """Open the streams of a robot within a `with` block, and yield lines about them.
 
         `url` reads the robot. `tokens` are those of `users`.
         """
+        from unitylink.server.audit import complain
         from unitylink.streams.foxglove.server import Foxglove
         from unitylink.streams.hand import Hand
         from unitylink.streams.mqtt.robot import Mqtt
         from unitylink.streams.plotjuggler import PlotJuggler
         from unitylink.streams.source import Source
+        from unitylink.zenoh.spec_files import pack_spec
 
         streams: list[Stream] = []
         lines = []
@@ -165,5 +186,17 @@ class StreamOptions:
                 stack.callback(mqtt.close)
                 streams.append(mqtt)
                 lines.append(f"at a broker:  {mqtt.broker}, unitylink/{robot.name}/...")
-            stack.enter_context(Source(url, robot.spec, streams))
+            if streams:
+                stack.enter_context(Source(url, robot.spec, streams))
+            if self.zenoh is not None:
+                spec_text = pack_spec(spec_file, robot.spec.roots[0].name)
+                bridge, where = self._zenoh(anyone=True).opened(
+                    robot,
+                    spec_text,
+                    token=tokens["zenoh"],
+                    reads=url,
+                    told=lambda why: complain(f"--zenoh {self.zenoh}: {why}"),
+                )
+                stack.enter_context(bridge)
+                lines.append(f"on Zenoh:  zenoh:{bridge.keys.name}, at {where}")
             yield lines

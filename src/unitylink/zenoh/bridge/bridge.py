@@ -30,6 +30,8 @@ from .values import Values
 from .visits import Visit
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import zenoh
 
     from unitylink.layer2_message import Link
@@ -50,7 +52,8 @@ class Bridge:
     publishes be read. `spec_text` is what `pack_spec` returned. What is published goes through a session of
     its own. So a reader that is slow holds up no request and no stop.
 
-    Raises LinkBusy if another bridge has this name already. `trouble` tells what ended the bridge by itself.
+    Raises LinkBusy if another bridge has this name already. `trouble` tells what ended the bridge by itself,
+    and so does a call of `told`.
     """
 
     def __init__(
@@ -63,9 +66,10 @@ class Bridge:
         *,
         token: str,
         reads: str,
+        told: Callable[[str], None] | None = None,
     ) -> None:
         self.robot, self.keys, self.id = robot, keys, secrets.token_hex(8)
-        self.trouble = ""
+        self.trouble, self._told = "", told
         self.ended = threading.Event()
         self.refusals = Refusals()
         self.hash = f"{wire_hash(robot.spec):016x}"
@@ -133,7 +137,7 @@ class Bridge:
         others = [str(reply.ok.key_expr) for reply in found if reply.ok is not None]
         if others:
             raise LinkBusy(
-                f"another bridge serves {self.keys.name} already ({others[0]}); give this robot another --key"
+                f"another bridge serves {self.keys.name} already ({others[0]}); give this robot another name"
             )
 
     def _begin(self, stack: contextlib.ExitStack) -> None:
@@ -215,8 +219,7 @@ class Bridge:
                 try:
                     self._serve_items(link)
                 except UnityLinkError as error:
-                    self.trouble = str(error)
-                    self.ended.set()
+                    self._give_up(str(error))
                     return
             self._alive_is(link is not None)
             self._guests.look(self._session)
@@ -267,8 +270,13 @@ class Bridge:
 
         other = str(sample.key_expr).rpartition("/")[2]
         if sample.kind == zenoh.SampleKind.PUT and other < self.id:
-            self.trouble = f"another bridge serves {self.keys.name}, too ({other}); this one ends"
-            self.ended.set()
+            self._give_up(f"another bridge serves {self.keys.name}, too ({other}); this one ends")
+
+    def _give_up(self, why: str) -> None:
+        self.trouble = why
+        self.ended.set()
+        if self._told is not None:
+            self._told(why)
 
     def _let_go(self, visit: Visit) -> None:
         if self._served is not None:
