@@ -33,6 +33,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
     "build": ("build", "Build a bitstream from a spec for an FPGA board."),
     "flash": ("flash", "Write a bitstream to its board."),
+    "gateware": ("gateware", "List the VHDL library, or export it for FuseSoC, VUnit and vendors' tools."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
     "budget": ("budget", "Show the cost of a spec's publishes on the line."),
     "import": ("import_command", "Make a spec from SystemRDL, or from a configuration of riocore."),

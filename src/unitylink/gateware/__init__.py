@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from .export import export_gateware
 from .ghdl import Ghdl
 from .library import LIBRARY, DesignGhdl
 from .netlist import netlist
@@ -24,6 +25,7 @@ __all__ = [
     "Port",
     "bench_sources",
     "every_source",
+    "export_gateware",
     "find_program",
     "gateware_folder",
     "gateware_sources",
