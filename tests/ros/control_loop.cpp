@@ -1,19 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Runs the generated plug-in of ros2_control like a controller manager: `control_loop URL`. Each line of standard input
-// is a position for all joints. The answer is the positions read, and how often read() and write() have allocated
-// memory or locked a mutex.
+// Runs the generated plug-in of ros2_control like a controller manager: `control_loop PARAMETER=VALUE..
+// PART/INTERFACE..`. A PART/INTERFACE is a state interface that the URDF lists, `>PART/INTERFACE:TYPE` a command
+// interface on a gpio. Each line of standard input is an order:
+//
+//     configure, activate, deactivate, cleanup, shutdown, cycle N, set NAME NUMBER, get NAME, names
+//
+// `cycle` calls read() and write() N times. It answers how often they have allocated memory, locked or waited, thrown,
+// and failed. The state of the hardware changes as ros2_control's system.cpp does it.
 #include <dlfcn.h>
+#include <poll.h>
 #include <pthread.h>
+#include <semaphore.h>
+#include <time.h>
 
 #include <cstdlib>
 #include <iostream>
+#include <map>
+#include <sstream>
 
 #include "ros2_control.cpp"
 
 namespace {
 thread_local bool watched = false;
-thread_local unsigned long allocations = 0, locks = 0;
+thread_local unsigned long allocations = 0, waits = 0;
+template <typename Function>
+Function genuine(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
 }  // namespace
 
 extern "C" void* __libc_malloc(std::size_t size);
@@ -26,45 +40,168 @@ extern "C" void free(void* memory) {
   if (watched && memory != nullptr) ++allocations;
   __libc_free(memory);
 }
-extern "C" int pthread_mutex_lock(pthread_mutex_t* mutex) {
-  using Lock = int (*)(pthread_mutex_t*);
-  static const Lock lock = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  if (watched) ++locks;
-  return lock(mutex);
+#define COUNTED(name, parameters, arguments)                      \
+  extern "C" int name parameters {                                \
+    static const auto called = genuine<int(*) parameters>(#name); \
+    if (watched) ++waits;                                         \
+    return called arguments;                                      \
+  }
+COUNTED(pthread_mutex_lock, (pthread_mutex_t * mutex), (mutex))
+COUNTED(pthread_rwlock_rdlock, (pthread_rwlock_t * lock), (lock))
+COUNTED(pthread_rwlock_wrlock, (pthread_rwlock_t * lock), (lock))
+COUNTED(sem_wait, (sem_t * semaphore), (semaphore))
+COUNTED(sem_timedwait, (sem_t * semaphore, const timespec* until), (semaphore, until))
+COUNTED(sem_clockwait, (sem_t * semaphore, clockid_t clock, const timespec* until), (semaphore, clock, until))
+COUNTED(poll, (pollfd * files, nfds_t count, int timeout), (files, count, timeout))
+COUNTED(clock_nanosleep, (clockid_t clock, int flags, const timespec* until, timespec* rest),
+        (clock, flags, until, rest))
+
+using hardware_interface::return_type;
+using PACKAGE::CallbackReturn;
+
+class Manager {
+ public:
+  bool init(const hardware_interface::HardwareInfo& info) {
+#ifdef UNITYLINK_FRAMEWORK_KEEPS_NUMBERS
+    hardware_interface::HardwareComponentInterfaceParams params{};
+    params.hardware_info = info;
+    if (hardware_.on_init(params) != CallbackReturn::SUCCESS) return false;
+    for (const auto& one : hardware_.on_export_state_interfaces()) states_[one->get_name()] = one;
+    for (const auto& one : hardware_.on_export_command_interfaces()) commands_[one->get_name()] = one;
+#else
+    if (hardware_.on_init(info) != CallbackReturn::SUCCESS) return false;
+    for (auto& one : hardware_.export_state_interfaces()) states_.emplace(one.get_name(), std::move(one));
+    for (auto& one : hardware_.export_command_interfaces()) commands_.emplace(one.get_name(), std::move(one));
+#endif
+    return true;
+  }
+
+  void order(const std::string& line) {
+    std::istringstream words(line);
+    std::string order, name;
+    words >> order;
+    if (order == "configure") move("unconfigured", hardware_.on_configure({}), "inactive");
+    if (order == "activate") move("inactive", hardware_.on_activate({}), "active");
+    if (order == "deactivate") move("active", hardware_.on_deactivate({}), "inactive");
+    if (order == "cleanup") move("inactive", hardware_.on_cleanup({}), "unconfigured");
+    if (order == "shutdown") move(state_, hardware_.on_shutdown({}), "finalized");
+    if (order == "cycle") cycle(words);
+    if (order == "set") set(words);
+    if (order == "get" && words >> name) std::cout << number(name);
+    if (order == "names") names();
+    std::cout << std::endl;
+  }
+
+ private:
+  void move(const std::string& from, CallbackReturn done, const std::string& to) {
+    if (done == CallbackReturn::SUCCESS) state_ = to;
+    if (done == CallbackReturn::FAILURE) state_ = from;
+    if (done == CallbackReturn::ERROR) error();
+    std::cout << state_;
+  }
+  void error() { state_ = hardware_.on_error({}) == CallbackReturn::SUCCESS ? "unconfigured" : "finalized"; }
+
+  void cycle(std::istringstream& words) {
+    unsigned long count = 0, failed = 0, thrown = 0;
+    words >> count;
+    allocations = waits = 0;
+    for (; count > 0 && (state_ == "active" || state_ == "inactive"); --count) {
+      auto came = return_type::ERROR, went = return_type::ERROR;
+      watched = true;
+      try {
+        came = hardware_.read({}, {});
+        if (came == return_type::OK) went = hardware_.write({}, {});
+      } catch (...) {
+        ++thrown;
+      }
+      watched = false;
+      if (came != return_type::OK || went != return_type::OK) ++failed, error();
+    }
+    std::cout << "allocations " << allocations << " waits " << waits << " thrown " << thrown << " failed " << failed
+              << " " << state_;
+  }
+
+#ifdef UNITYLINK_FRAMEWORK_KEEPS_NUMBERS
+  double number(const std::string& name) {
+    return states_.count(name) != 0 ? states_[name]->as_double() : commands_[name]->as_double();
+  }
+  void set(std::istringstream& words) {
+    std::string name;
+    double number = 0.0;
+    words >> name >> number;
+    const auto& handle = commands_[name];
+    std::cout << PACKAGE::typed(PACKAGE::kind_of(handle->get_data_type().to_string()), [&](auto type) {
+      return handle->set_value(static_cast<decltype(type)>(number), true);
+    });
+  }
+  void names() {
+    for (const auto& [name, one] : states_) std::cout << name << ":" << one->get_data_type().to_string() << " ";
+    for (const auto& [name, one] : commands_)
+      std::cout << ">" << name << ":" << one->get_data_type().to_string() << " ";
+  }
+  std::map<std::string, hardware_interface::StateInterface::ConstSharedPtr> states_;
+  std::map<std::string, hardware_interface::CommandInterface::SharedPtr> commands_;
+#else
+  double number(const std::string& name) {
+    return states_.count(name) != 0 ? states_.at(name).get_value() : commands_.at(name).get_value();
+  }
+  void set(std::istringstream& words) {
+    std::string name;
+    double number = 0.0;
+    words >> name >> number;
+    commands_.at(name).set_value(number);
+    std::cout << 1;
+  }
+  void names() {
+    for (const auto& one : states_) std::cout << one.first << ":double ";
+    for (const auto& one : commands_) std::cout << ">" << one.first << ":double ";
+  }
+  std::map<std::string, hardware_interface::StateInterface> states_;
+  std::map<std::string, hardware_interface::CommandInterface> commands_;
+#endif
+  PACKAGE::RobotSystem hardware_;
+  std::string state_ = "unconfigured";
+};
+
+// Adds an interface of the URDF.
+void list(hardware_interface::HardwareInfo& info, std::string text) {
+  const bool command = text[0] == '>';
+  if (command) text.erase(0, 1);
+  const auto slash = text.find('/'), colon = text.find(':');
+  hardware_interface::InterfaceInfo one{};
+  one.name = text.substr(slash + 1, colon - slash - 1);
+  one.data_type = colon == std::string::npos ? "double" : text.substr(colon + 1);
+  auto& parts = command ? info.gpios : info.joints;
+  parts.push_back({});
+  parts.back().name = text.substr(0, slash);
+  (command ? parts.back().command_interfaces : parts.back().state_interfaces).push_back(one);
 }
 
 int main(int argc, char** argv) {
-  PACKAGE::RobotSystem hardware;
-  hardware_interface::HardwareInfo info;
-  if (argc > 1) info.hardware_parameters["link"] = argv[1];
-  if (argc > 2) info.joints.push_back({argv[2]});
-  if (hardware.on_init(info) != hardware_interface::CallbackReturn::SUCCESS) return 2;
-  auto states = hardware.export_state_interfaces();
-  auto commands = hardware.export_command_interfaces();
-  if (hardware.on_activate({}) != hardware_interface::CallbackReturn::SUCCESS) return 3;
-  const auto once = [&] {
-    watched = true;
-    const auto came = hardware.read({}, {});
-    const auto went = hardware.write({}, {});
-    watched = false;
-    return came == hardware_interface::return_type::OK && went == hardware_interface::return_type::OK;
-  };
-  {  // check that allocations and locks are really counted
+  {  // check that allocations and waits are really counted
+    std::mutex mutex;
     watched = true;
     std::vector<int> noticed(1000);
+    mutex.lock();
     watched = false;
-    if (allocations == 0) return 4;
-    allocations = 0;
+    mutex.unlock();
+    if (allocations == 0 || waits == 0) return 4;
   }
-  double position = 0.0;
-  while (std::cin >> position) {
-    for (auto& command : commands) command.set_value(position);
-    bool good = true;
-    for (int i = 0; i < 1000; ++i) good = once() && good;
-    std::cout << "allocations " << allocations << " locks " << locks << " good " << good;
-    for (const auto& state : states) std::cout << " " << state.get_name() << "=" << state.get_value();
-    std::cout << std::endl;
+  hardware_interface::HardwareInfo info;
+  info.name = "arm";
+  info.type = "system";
+  for (int i = 1; i < argc; ++i) {
+    const std::string text = argv[i];
+    const auto equals = text.find('=');
+    if (equals != std::string::npos && text.find('/') > equals)
+      info.hardware_parameters[text.substr(0, equals)] = text.substr(equals + 1);
+    else
+      list(info, text);
   }
-  hardware.on_deactivate({});
+  std::cout.precision(15);
+  Manager manager;
+  if (!manager.init(info)) return 2;
+  std::string line;
+  while (std::getline(std::cin, line)) manager.order(line);
   return 0;
 }

@@ -4,8 +4,8 @@
 Each line of JSON on standard input is a question. A line on standard output answers it. The value of "ask" is
 one of five. "echo" with "topic" and "type" waits for a message. "pub" with "fields" publishes as soon as
 somebody listens. "call" calls a service. "sim_time" is a node with
-use_sim_time. "graph" tells nodes, topics and the quality of service of a topic's
-publishers.
+use_sim_time. "graph" tells nodes, topics, the quality of service of a topic's
+publishers, and the topics of a node, as `ros2 node info` does.
 """
 
 from __future__ import annotations
@@ -95,9 +95,18 @@ class Peer:
         node.destroy_node()
         return [one / 1e9 for one in times if one]
 
-    def graph(self, topic: str = "") -> Any:
+    def graph(self, topic: str = "", node: str = "", namespace: str = "/") -> Any:
         qos = [one.qos_profile for one in self.node.get_publishers_info_by_topic(topic)] if topic else []
+        if node:
+            wanted = [node, namespace]
+            self.until(lambda: wanted in map(list, self.node.get_node_names_and_namespaces()))
         return {
+            "publishes": dict(
+                self.node.get_publisher_names_and_types_by_node(node, namespace) if node else ()
+            ),
+            "subscribes": dict(
+                self.node.get_subscriber_names_and_types_by_node(node, namespace) if node else ()
+            ),
             "nodes": self.node.get_node_names_and_namespaces(),
             "topics": dict(self.node.get_topic_names_and_types()),
             "reliability": [one.reliability.name for one in qos],

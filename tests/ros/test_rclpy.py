@@ -188,6 +188,11 @@ def test_the_generated_node_on_rclpy(
         graph = peer("graph", topic="/rig/slow")
         assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
         assert peer("graph", topic="/rig/j_0/feedback")["reliability"] == ["BEST_EFFORT"]
+        asked = {"names": ["speed", "link"]}
+        describe = ("/rig/unitylink/describe_parameters", "rcl_interfaces/DescribeParameters")
+        speed, where = peer("call", service=describe[0], type=describe[1], fields=asked)["descriptors"]
+        assert "time=lockstep" in speed["description"] and where["read_only"]
+        assert speed["floating_point_range"] == [{"from_value": 0.0, "to_value": 1000.0, "step": 0.0}]
 
 
 def test_a_board_in_steps_is_the_clock_of_ros(ros2: dict[str, str], peer: Peer, tmp_path: Path) -> None:
@@ -231,7 +236,10 @@ def test_the_node_on_dds_is_seen_by_ros_2(
     with running(os.environ | ros2, *bridge, log=tmp_path / "bridge.log"):
         (states,) = peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
         assert states["name"] == ["j_0", "j_1"] and states["position"] == [0.5, 0.0]
-        topics = peer("graph")["topics"]
+        graph = peer("graph", node="unitylink", namespace="/rig")
+        assert graph["publishes"]["/rig/joint_states"] == ["sensor_msgs/msg/JointState"]
+        assert "/rig/cart/cmd_vel" in graph["subscribes"], "it is a node with its end points"
+        topics = graph["topics"]
         assert topics["/rig/joint_commands"] == ["sensor_msgs/msg/JointState"]
         assert topics["/rig/slow"] == ["std_msgs/msg/UInt16"] and topics["/rig/cart/cmd_vel"]
         fields = {"name": ["j_0"], "position": [-0.5]}

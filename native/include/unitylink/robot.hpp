@@ -35,7 +35,7 @@
 #include "unitylink/robot_outputs.hpp"
 #include "unitylink/robot_publishes.hpp"
 #include "unitylink/robot_table.hpp"
-#include "unitylink/triple_buffer.hpp"
+#include "unitylink/robot_wanted.hpp"
 
 namespace unitylink {
 
@@ -50,7 +50,6 @@ class Robot {
         say_(std::move(say)),
         armed(options_.armed),
         wanted_(table.value_count),
-        written_(table.value_count),
         outputs_(table),
         publishes_(table, std::move(on_publish), life_) {
     sem_init(&wake_, 0, 0);
@@ -87,7 +86,7 @@ class Robot {
         return false;
       }
     }
-    for (std::size_t i = 0; i < count; ++i) wanted_next_(values[i], raws[i]);
+    for (std::size_t i = 0; i < count; ++i) wanted_.next(values[i], raws[i]);
     publish_wanted();
     ++accepted;
     return true;
@@ -99,7 +98,7 @@ class Robot {
     for (std::size_t i = 0; i < count; ++i) {
       std::uint64_t raw = 0;
       if (encode(table_.values[values[i]], numbers[i], raw)) {
-        wanted_next_(values[i], raw);
+        wanted_.next(values[i], raw);
       } else {
         ++refused;
       }
@@ -123,6 +122,12 @@ class Robot {
     forget();
     if (device_.tripped()) return said = "the outputs are safe already: the dead-man has tripped", true;
     return outputs_.write_safe(said);
+  }
+
+  // Like make_safe(), for the real-time thread: the keeper's thread writes them soon, if the link is up.
+  void make_safe_soon() noexcept {
+    safe_soon_ = true;
+    sem_post(&wake_);
   }
 
   // Takes set-points from now on. Without `on` it takes none, and writes the safe values.
@@ -186,19 +191,12 @@ class Robot {
  public:
   std::atomic<bool> up{false}, armed;
   std::atomic<std::uint64_t> accepted{0}, refused{0}, writes{0}, failed{0}, losses{0};
+  // How often values that were set are no longer what the device has: after a loss, a hang, or because it was made
+  // safe.
+  std::atomic<std::uint64_t> drops{0};
 
  private:
-  struct Wanted {
-    std::uint64_t raw = 0;
-    std::uint64_t version = 0;  // counts the calls of set(); the writer compares it to find values not yet written
-  };
-
-  void wanted_next_(std::uint16_t value, std::uint64_t raw) noexcept {
-    setting_copy_[value].raw = raw;
-    ++setting_copy_[value].version;
-  }
   void publish_wanted() noexcept {
-    std::copy(setting_copy_.begin(), setting_copy_.end(), wanted_.back().begin());
     wanted_.publish();
     sem_post(&wake_);
   }
@@ -275,6 +273,7 @@ class Robot {
 
   void rise() {
     become(0, "connected to " + options_.url);
+    safe_soon_ = false;  // the device is safe
     up = true;
   }
   void fall(const std::string& why) {
@@ -368,6 +367,11 @@ class Robot {
         forget();
       }
       made_safe = made_safe && hanging_;
+      if (up && safe_soon_.exchange(false) && !device_.tripped()) {
+        std::string said;
+        outputs_.write_safe(said);
+        forget();
+      }
       const bool look = now - checked_s > 0.1;
       checked_s = look ? now : checked_s;
       if (up && (device_.generation() != generation_ || (look && device_.has_tripped())))
@@ -401,19 +405,11 @@ class Robot {
   // ---- writing, with the mutex held
 
   void forget() {
-    wanted_.update();
-    const auto& now = wanted_.front();
-    for (std::size_t i = 0; i < now.size(); ++i) written_[i] = now[i].version;
+    ++drops;
+    wanted_.forget();
   }
   bool write_wanted() {
-    std::vector<std::uint16_t> changed;
-    const auto& wanted = wanted_.front();
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (wanted[i].version == written_[i]) continue;
-      written_[i] = wanted[i].version;
-      outputs_.want(i, wanted[i].raw);
-      changed.push_back(static_cast<std::uint16_t>(i));
-    }
+    const auto changed = wanted_.take([this](std::size_t value, std::uint64_t raw) { outputs_.want(value, raw); });
     if (changed.empty()) return true;
     for (int tries = 0; tries < 3 && !stop_; ++tries) {  // as long as the link is up and the values are still wanted
       if (outputs_.burst(changed)) return true;
@@ -423,9 +419,7 @@ class Robot {
     }
     return false;
   }
-  TripleBuffer<Wanted> wanted_;  // from set() to the keeper's thread
-  std::vector<Wanted> setting_copy_ = std::vector<Wanted>(table_.value_count);
-  std::vector<std::uint64_t> written_;
+  Wanted wanted_;  // from set() to the keeper's thread
   Outputs outputs_;
   Device device_;
   std::uint64_t generation_ = 0;  // generation() of the device at the last make_fit()
@@ -436,7 +430,7 @@ class Robot {
   ul_link* link_ = nullptr;
   sem_t wake_{};
   std::atomic<bool> stop_{false};
-  std::atomic<bool> hanging_{false};
+  std::atomic<bool> hanging_{false}, safe_soon_{false};
   Life life_{[this](const std::string& trouble) { hangs(trouble); }};
   Sign& program_ = life_.expect("the program's thread", Life::patience_s);
   Sign& answerer_ = life_.expect("the thread that answers services", Life::device_s);

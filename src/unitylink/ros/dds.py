@@ -14,6 +14,7 @@ from typing import Any
 
 from unitylink.optional import absent
 
+from .dds_graph import DdsGraph
 from .dds_reader import DdsReader
 from .dds_types import DdsTypes
 from .dds_writer import Here, gathering_writer
@@ -27,6 +28,7 @@ _log = logging.getLogger("unitylink.ros")
 # So many commands may come before the node's thread runs. The thread takes all of them and joins them, value
 # by value. Two messages may name different joints, so none of them may be dropped, and none waits.
 COMMANDS = 16
+NODE = "unitylink"
 
 
 class DdsPlane:
@@ -34,18 +36,21 @@ class DdsPlane:
     `std_msgs::msg::dds_::Int32_`.
 
     If `domain` is None, it is ROS_DOMAIN_ID, or 0. CYCLONEDDS_URI configures the network, as it does for ROS
-    2.
+    2. The participant is the node `name` for ROS 2.
     """
 
-    def __init__(self, interface: Interface, namespace: str, domain: int) -> None:
+    def __init__(self, interface: Interface, namespace: str, domain: int, name: str = NODE) -> None:
         try:
+            from cyclonedds.core import Policy, Qos
             from cyclonedds.domain import DomainParticipant
         except ImportError:
             raise absent("cyclonedds", "ROS 2 over DDS") from None
         self.types = DdsTypes(definitions(interface))
         self._interface = interface
         self._namespace = namespace.strip("/")
-        self._participant = DomainParticipant(domain)
+        # by this mark, ROS 2 knows its participants
+        self._participant = DomainParticipant(domain, qos=Qos(Policy.Userdata(b"enclave=/;")))
+        self._graph = DdsGraph(self._participant, namespace, name)
         self._header = self.types["std_msgs/Header"]
         self._time = self.types["builtin_interfaces/Time"]
         self._here = Here()
@@ -59,6 +64,7 @@ class DdsPlane:
         """Start taking messages. Call it after the last subscribe and serve."""
         self._topics.start()
         self._services.start()
+        self._graph.tell()
 
     def close(self) -> None:
         """Stop taking messages, and leave the domain at once. Close the node that publishes here first."""
@@ -152,7 +158,9 @@ class DdsPlane:
 
         qos = self._qos(depth, reliable)
         topic = DdsTopic(self._participant, name, kind, qos=qos)
-        return (writer or DataWriter)(self._participant, topic, qos=qos)
+        made = (writer or DataWriter)(self._participant, topic, qos=qos)
+        self._graph.add_writer(made)
+        return made
 
     def _reader(self, name: str, kind: Any, depth: int, reliable: bool) -> Any:
         from cyclonedds.sub import DataReader
@@ -160,7 +168,9 @@ class DdsPlane:
 
         qos = self._qos(depth, reliable)
         topic = DdsTopic(self._participant, name, kind, qos=qos)
-        return DataReader(self._participant, topic, qos=qos)
+        made = DataReader(self._participant, topic, qos=qos)
+        self._graph.add_reader(made)
+        return made
 
 
 class Matched:

@@ -22,7 +22,7 @@ from .health import diagnostics
 from .interface import Interface
 from .life import DEVICE_S
 from .node import RobotNode
-from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
+from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Described, Parameters
 from .rclpy_plane import RclpyPlane
 
 if TYPE_CHECKING:
@@ -131,6 +131,17 @@ def run_dds(
         return 1 if node.keeper.failure is not None else 0
 
 
+def _descriptor(parameter: Described) -> Any:
+    """Return the rcl_interfaces/ParameterDescriptor. A node reads its parameters once, when it starts."""
+    messages = import_module("rcl_interfaces.msg")
+    made = messages.ParameterDescriptor(description=parameter.description, read_only=True)
+    if parameter.most is not None:
+        made.floating_point_range = [
+            messages.FloatingPointRange(from_value=0.0, to_value=parameter.most, step=0.0)
+        ]
+    return made
+
+
 def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: Sequence[str]) -> int:
     rclpy = import_module("rclpy")
     # rclpy's own signal handler would end the context at once, while the link's thread still publishes.
@@ -138,8 +149,8 @@ def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: 
     rclpy.init(args=[sys.argv[0], *arguments], signal_handler_options=no_signals)
     ros = rclpy.create_node("unitylink")
     parameters = Parameters()
-    for name, standard in vars(Parameters()).items():
-        setattr(parameters, name, ros.declare_parameter(name, standard).value)
+    for one in Parameters.described():
+        setattr(parameters, one.name, ros.declare_parameter(one.name, one.standard, _descriptor(one)).value)
     options = parameters.options()
     plane = RclpyPlane(ros, interface)
     node = RobotNode(interface, plane, lambda: connect(parameters.link, reconnect="auto"), build, options)

@@ -177,7 +177,7 @@ class _Cpp:
         kind = self.elements[self.index[path]].type
         for name, one in zip(self._names(kind.name, path), kind.fields, strict=True):
             bits = Cpp.of("raws[{}] >> {}", raw, one.low)
-            yield Cpp.of("{}.{} = {};", target, name, _expression(_field(one), bits, Quantity.of(one)))
+            yield Cpp.of("{}.{} = {};", target, name, _expression(cpp_field(one), bits, Quantity.of(one)))
 
     def _names(self, name: str, path: str) -> list[str]:
         for topic in (*self.interface.published, *self.interface.commanded):
@@ -227,7 +227,7 @@ class _Cpp:
                 (1 << one.high - one.low + 1) - 1,
                 Cpp.of("static_cast<double>({}.{})", source, name),
             )
-            yield Cpp.of("  command.pack({}, {}, {}U, {}, packed);", _field(one), value, mask, one.low)
+            yield Cpp.of("  command.pack({}, {}, {}U, {}, packed);", cpp_field(one), value, mask, one.low)
         yield Cpp.of("  {}", self._put(path, Cpp("packed")))
         yield Cpp("}")
 
@@ -292,7 +292,8 @@ def _limits(codec: Codec) -> tuple[float | None, float | None]:
     return (codec.low if codec.low > low else None), (codec.high if codec.high < high else None)
 
 
-def _field(one: BitField) -> Cpp:
+def cpp_field(one: BitField) -> Cpp:
+    """Return a field of packed bits as a value of its own."""
     return Cpp.of("unitylink::Value{}", _initialiser((Cpp.text(one.name), 0, 1), Quantity.of(one), False, -1))
 
 

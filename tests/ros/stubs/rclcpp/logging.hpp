@@ -10,4 +10,5 @@ inline Logger get_logger(const std::string& name) { return {name}; }
 }  // namespace rclcpp
 #define RCLCPP_INFO(logger, ...) \
   (std::fprintf(stderr, "%s: ", (logger).name.c_str()), std::fprintf(stderr, __VA_ARGS__), std::fputc('\n', stderr))
+#define RCLCPP_WARN RCLCPP_INFO
 #define RCLCPP_ERROR RCLCPP_INFO

@@ -8,6 +8,8 @@
 #include <string>
 #include <type_traits>
 
+#include <rcl_interfaces/msg/parameter_descriptor.hpp>
+
 #include "rclcpp/logging.hpp"
 namespace rclcpp {
 inline void init(int, char**) {}
@@ -66,7 +68,7 @@ class Node {
   }
   CallbackGroup::SharedPtr create_callback_group(CallbackGroupType) { return std::make_shared<CallbackGroup>(); }
   template <typename T>
-  T declare_parameter(const std::string&, const T& standard) {
+  T declare_parameter(const std::string&, const T& standard, const rcl_interfaces::msg::ParameterDescriptor&) {
     return standard;
   }
   Logger get_logger() const { return {"unitylink"}; }
@@ -83,6 +85,5 @@ class MultiThreadedExecutor {
 };
 }  // namespace executors
 }  // namespace rclcpp
-#define RCLCPP_WARN RCLCPP_INFO
 #define RCLCPP_FATAL RCLCPP_INFO
 #define RCLCPP_WARN_THROTTLE(logger, clock, ms, ...) ((void)(clock), (void)(ms), RCLCPP_INFO(logger, __VA_ARGS__))

@@ -7,15 +7,16 @@
 #include "hardware_interface/types/hardware_interface_return_values.hpp"
 #include "rclcpp/duration.hpp"
 #include "rclcpp/time.hpp"
-#include "rclcpp_lifecycle/state.hpp"
+#include "rclcpp_lifecycle/node_interfaces/lifecycle_node_interface.hpp"
 namespace hardware_interface {
-enum class CallbackReturn { SUCCESS, FAILURE, ERROR };
-class SystemInterface {
+using CallbackReturn = rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface::CallbackReturn;
+class SystemInterface : public rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface {
  public:
-  virtual ~SystemInterface() = default;
-  virtual CallbackReturn on_init(const HardwareInfo& info) { return info_ = info, CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_activate(const rclcpp_lifecycle::State&) { return CallbackReturn::SUCCESS; }
-  virtual CallbackReturn on_deactivate(const rclcpp_lifecycle::State&) { return CallbackReturn::SUCCESS; }
+  SystemInterface() = default;
+  SystemInterface(const SystemInterface& other) = delete;
+  virtual CallbackReturn on_init(const HardwareInfo& hardware_info) {
+    return info_ = hardware_info, CallbackReturn::SUCCESS;
+  }
   virtual std::vector<StateInterface> export_state_interfaces() = 0;
   virtual std::vector<CommandInterface> export_command_interfaces() = 0;
   virtual return_type read(const rclcpp::Time& time, const rclcpp::Duration& period) = 0;
