@@ -50,7 +50,6 @@ class DdsPlane:
         self._namespace = namespace.strip("/")
         # by this mark, ROS 2 knows its participants
         self._participant = DomainParticipant(domain, qos=Qos(Policy.Userdata(b"enclave=/;")))
-        self._graph = DdsGraph(self._participant, namespace, name)
         self._header = self.types["std_msgs/Header"]
         self._time = self.types["builtin_interfaces/Time"]
         self._here = Here()
@@ -59,12 +58,13 @@ class DdsPlane:
         # A service, such as set_safe, is answered even if the thread of the topics hangs.
         self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)
         self._services = DdsReader(self._participant, "the thread that answers services", self.life)
+        self._graph = DdsGraph(self._participant, namespace, name, self._services)
 
     def start(self) -> None:
         """Start taking messages. Call it after the last subscribe and serve."""
         self._topics.start()
         self._services.start()
-        self._graph.tell()
+        self._graph.start()
 
     def close(self) -> None:
         """Stop taking messages, and leave the domain at once. Close the node that publishes here first."""
