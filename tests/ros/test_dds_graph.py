@@ -15,18 +15,20 @@ def test_a_node_is_told_in_the_form_of_each_release(release: str, size: int) -> 
     from rosbags.typesys import Stores, get_typestore
 
     known = get_typestore(Stores[release])
-    made = [known.types[f"rmw_dds_common/msg/{name}"] for name in ("Gid", "NodeEntitiesInfo")]
-    gid = [made[0](np.arange(n, n + size, dtype=np.uint8)) for n in (1, 50, 100)]
-    for at, one in enumerate(gid):
-        one.data[16:] = 0
-        assert at or len(one.data) == size
-    node = made[1]("/lab", "arm", gid[1:], [gid[0]])
-    whole = known.types["rmw_dds_common/msg/ParticipantEntitiesInfo"](gid[0], [node])
-    theirs = bytes(known.serialize_cdr(whole, whole.__msgtype__))
-    told = [bytes(one.data[:16]) for one in gid]
+    gid, node, participant = (
+        known.types[f"rmw_dds_common/msg/{name}"]
+        for name in ("Gid", "NodeEntitiesInfo", "ParticipantEntitiesInfo")
+    )
+    told = [bytes(range(n, n + 16)) for n in (1, 50, 100)]
+    own, *ends = [gid(np.frombuffer(one.ljust(size, b"\0"), dtype=np.uint8)) for one in told]
+    one_node = node("/lab", "arm", ends, [own])
+
+    def sent(count: int) -> bytes:
+        message = participant(own, [one_node] * count)
+        return bytes(known.serialize_cdr(message, message.__msgtype__))
+
+    theirs = sent(1)
     assert encode(size, told[0], ("/lab", "arm"), told[1:], told[:1]) == theirs
     assert identifier_size(theirs) == size
-    for count in range(4):  # nodes of a peer
-        more = known.types["rmw_dds_common/msg/ParticipantEntitiesInfo"](gid[0], [node] * count)
-        assert identifier_size(bytes(known.serialize_cdr(more, more.__msgtype__))) == size
+    assert [identifier_size(sent(count)) for count in range(4)] == [size] * 4, "nodes of a peer"
     assert identifier_size(theirs[:-5]) == identifier_size(b"") == 0
