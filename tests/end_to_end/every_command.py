@@ -99,9 +99,9 @@ def run(*words: str) -> tuple[int, str]:
 def _bridge_that_ends() -> contextlib.AbstractContextManager[object]:
     """Let `bridge` make the robot on its link, and then end. Tests with ROS cover what it does after that."""
 
-    def run_dds(_: object, build: Callable, connect: Callable, parameters: object, **__: object) -> int:
+    def run_alone(_: object, build: Callable, connect: Callable, parameters: object, **__: object) -> int:
         with connect(parameters.link) as link:  # type: ignore[attr-defined]
             print(f"the robot has {len(list(build(link)))} values")
         return 0
 
-    return mock.patch("unitylink.ros.ros2.run_dds", run_dds)
+    return mock.patch("unitylink.ros.ros2.run_alone", run_alone)

@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     help="Write the safe values after S seconds without a command. 0 is never.",
 )
 @click.option("--disarmed", is_flag=True, help="Take no commands before the service arm is called.")
+@click.option(
+    "--rmw",
+    type=click.Choice(["dds", "zenoh"]),
+    help="What carries ROS 2. By default dds, or zenoh if RMW_IMPLEMENTATION is rmw_zenoh_cpp.",
+)
 @zenoh_options
 def command(
     network: str,
@@ -43,6 +48,7 @@ def command(
     namespace: str | None,
     command_timeout: float,
     disarmed: bool,
+    rmw: str | None,
     **zenoh: Any,
 ) -> None:
     """Put a robot on ROS topics or on a Zenoh network until Ctrl-C, with nothing generated.
@@ -51,7 +57,8 @@ def command(
     published or written, and sensor_msgs/JointState for joints. `unitylink generate SPEC --only ros1` or
     `ros2` makes a package with messages of its own.
 
-    `ros2` needs no ROS on this machine: it speaks DDS, and ROS 2 sees it. `ros1` needs rospy and a master.
+    `ros2` needs no ROS on this machine: it speaks DDS, or Zenoh as rmw_zenoh_cpp does, and ROS 2 sees it.
+    `ros1` needs rospy and a master.
 
     `zenoh` lets every machine of a Zenoh network use the robot as if it were its own: LINK is then
     zenoh:NAME there. Its options are --key, --connect, --listen, --zenoh-config, --anyone, --may and --audit.
@@ -62,6 +69,7 @@ def command(
       unitylink bridge ros2 "serial:/dev/ttyUSB0?baud=3000000" --spec arm.ul
       unitylink bridge ros1 tcp://192.168.1.20:5555 --spec arm.ul --namespace left
       unitylink bridge ros2 "sim:arm.ul?plant=ramp"
+      unitylink bridge ros2 serial:/dev/ttyUSB0 arm.ul --rmw zenoh
       unitylink bridge zenoh serial:/dev/ttyUSB0 arm.ul --key lab/arm1
       unitylink bridge zenoh tcp://192.168.1.20:5555 arm.ul --key lab/arm2 --connect tcp/10.0.0.7:7447
       unitylink watch zenoh:lab/arm1
@@ -75,6 +83,7 @@ def command(
             ("namespace", namespace),
             ("command-timeout", command_timeout),
             ("disarmed", disarmed),
+            ("rmw", rmw),
         ):
             if given:
                 raise click.UsageError(
@@ -101,13 +110,16 @@ def command(
 
     parameters = Parameters(link, command_timeout, armed=not disarmed)
     if network == "ros1":
+        if rmw is not None:
+            raise click.UsageError("--rmw is for ros2; leave it out")
         from unitylink.ros.ros1 import run
 
         code = run(interface, build, connect, parameters, namespace=space, services=False)
     else:
-        from unitylink.ros.ros2 import run_dds
+        from unitylink.ros.ros2 import carrier, run_alone
 
-        code = run_dds(interface, build, connect, parameters, namespace=space, services=False)
+        over = rmw or carrier()
+        code = run_alone(interface, build, connect, parameters, namespace=space, services=False, over=over)
     click.get_current_context().exit(code)
 
 

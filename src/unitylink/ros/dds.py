@@ -6,32 +6,22 @@ Its topics and services are on cyclonedds, and genuine ROS 2 sees them.
 
 from __future__ import annotations
 
-import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from unitylink.optional import absent
 
+from .cdr_plane import COMMANDS, NODE, CdrPlane
 from .dds_graph import DdsGraph
 from .dds_reader import DdsReader
-from .dds_types import DdsTypes
 from .dds_writer import Here, gathering_writer
 from .interface import Interface, Topic
-from .life import Life
 from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
-from .stamps import Stamps
-from .standard import definitions
-
-_log = logging.getLogger("unitylink.ros")
-# So many commands may come before the node's thread runs. The thread takes all of them and joins them, value
-# by value. Two messages may name different joints, so none of them may be dropped, and none waits.
-COMMANDS = 16
-NODE = "unitylink"
 
 
-class DdsPlane:
+class DdsPlane(CdrPlane):
     """A plane that carries messages as ROS 2 does: topic `rt/<namespace>/<name>`, type
     `std_msgs::msg::dds_::Int32_`.
 
@@ -45,16 +35,10 @@ class DdsPlane:
             from cyclonedds.domain import DomainParticipant
         except ImportError:
             raise absent("cyclonedds", "ROS 2 over DDS") from None
-        self.types = DdsTypes(definitions(interface))
-        self._interface = interface
-        self._namespace = namespace.strip("/")
+        super().__init__(interface, namespace, "DDS")
         # by this mark, ROS 2 knows its participants
         self._participant = DomainParticipant(domain, qos=Qos(Policy.Userdata(b"enclave=/;")))
-        self._header = self.types["std_msgs/Header"]
-        self._time = self.types["builtin_interfaces/Time"]
         self._here = Here()
-        self.life = Life()
-        self.stamps = Stamps()
         # A service, such as set_safe, is answered even if the thread of the topics hangs.
         self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)
         self._services = DdsReader(self._participant, "the thread that answers services", self.life)
@@ -72,23 +56,6 @@ class DdsPlane:
         self._services.close()
         # Garbage collection would do this later or never. Others would still see a node that has ended.
         self._participant.__del__()
-
-    def name(self, topic: str) -> str:
-        """Return a name with its namespace. A name that begins with / is left as it is."""
-        return topic[1:] if topic.startswith("/") else f"{self._namespace}/{topic}".lstrip("/")
-
-    def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
-        made = self.types[type_name]
-        return made  # type: ignore[no-any-return]  # a dataclass takes its fields in order
-
-    def time(self, time_s: float) -> Any:
-        return self._time(*self.stamps.parts(time_s))
-
-    def header(self, time_s: float, frame: str) -> Any:
-        return self._header(self._time(*self.stamps.parts(time_s)), frame)
-
-    def level(self, level: int) -> int:
-        return level
 
     def advertise(self, topic: Topic) -> Port:
         kind = self.types[topic.type]
@@ -124,7 +91,7 @@ class DdsPlane:
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         """Offer a service as rmw_cyclonedds does: with a topic of requests and one of replies."""
         request, reply = SERVICE_FIELDS[kind]
-        full = kind if "/" in kind else f"{self._interface.package}/{kind}"
+        full = self.service_name(kind)
         asked = self.types.service(full, "Request", request)
         answered = self.types.service(full, "Response", reply)
         writer = self._writer(f"rr/{self.name(name)}Reply", answered, 10, True)
@@ -135,9 +102,6 @@ class DdsPlane:
             writer.write(answered(message.guid, message.number, *results))
 
         self._services.add(self._reader(f"rq/{self.name(name)}Request", asked, 10, True), name, answer)
-
-    def say(self, level: int, message: str) -> None:
-        _log.log((logging.INFO, logging.WARNING, logging.ERROR)[level], message)
 
     def _qos(self, depth: int, reliable: bool) -> Any:
         from cyclonedds.core import Policy, Qos

@@ -24,6 +24,7 @@ _CODES = {
     "float32": "f",
     "float64": "d",
 }
+_NOTHING: Fields = (("structure_needs_at_least_one_member", "uint8"),)
 
 
 class DdsTypes:
@@ -42,11 +43,16 @@ class DdsTypes:
     def service(self, name: str, part: str, fields: Fields) -> Any:
         """Return the class of a service's request or reply ("Request", "Response").
 
-        The message's number comes first in it.
+        The message's number comes first in it, as DDS needs it.
         """
+        return self.part_of_service(
+            name, part, (("guid", "uint64"), ("number", "int64"), *(fields or _NOTHING))
+        )
+
+    def part_of_service(self, name: str, part: str, fields: Fields) -> Any:
+        """Return the class of a service's request or reply without a number."""
         package, _, service = name.partition("/")
-        whole = (("guid", "uint64"), ("number", "int64"), *(fields or (("nothing", "uint8"),)))
-        return self._make(f"{package}::srv::dds_::{service}_{part}_", whole)
+        return self._make(f"{package}::srv::dds_::{service}_{part}_", fields or _NOTHING)
 
     def _make(self, name: str, fields: Fields) -> Any:
         from cyclonedds.idl import make_idl_struct

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The node of ROS 2. It uses rclpy if ROS is installed, else only DDS."""
+"""The node of ROS 2. It uses rclpy if ROS is installed, else only DDS or Zenoh."""
 
 from __future__ import annotations
 
@@ -24,11 +24,13 @@ from .life import DEVICE_S
 from .node import RobotNode
 from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Described, Parameters
 from .rclpy_plane import RclpyPlane
+from .zenoh_plane import ZenohPlane
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.layer4_data import Node
 
+DDS, ZENOH = "dds", "zenoh"  # what carries the messages of a node without rclpy
 Build = Callable[["Link"], "Node"]
 Connect = Callable[..., "Link"]  # as unitylink.connect
 
@@ -36,19 +38,21 @@ Connect = Callable[..., "Link"]  # as unitylink.connect
 def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
     """Run a generated package's node.
 
-    Return the exit code. With `--dds` it does not use rclpy even if that is installed.
+    Return the exit code. With `--dds` or `--zenoh` it does not use rclpy even if that is installed.
 
     Parameters have the form of ROS 2: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    dds = "--dds" in given
+    flags = {over: f"--{over}" in given for over in (DDS, ZENOH)}
     try:
-        if not dds and find_spec("rclpy") is not None:
-            return _run_rclpy(interface, robot, connect, [a for a in given if a != "--dds"])
+        if not any(flags.values()) and find_spec("rclpy") is not None:
+            return _run_rclpy(interface, robot, connect, given)
         parameters, namespace = parse(given, f"/{interface.robot}")
-        if not dds:
-            print("rclpy is not here: running on DDS alone, which ROS 2 sees the same", file=sys.stderr)
-        return run_dds(interface, robot, connect, parameters, namespace=namespace)
+        over = next((over for over, asked in flags.items() if asked), carrier())
+        if not any(flags.values()):
+            name = {DDS: "DDS", ZENOH: "Zenoh"}[over]
+            print(f"rclpy is not here: running on {name} alone, which ROS 2 sees the same", file=sys.stderr)
+        return run_alone(interface, robot, connect, parameters, namespace=namespace, over=over)
     except UnityLinkError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -62,7 +66,7 @@ def parse(arguments: Sequence[str], namespace: str) -> tuple[Parameters, str]:
     ('tcp://127.0.0.1:5555', False, '/scara')
     """
     found = Parameters()
-    words = [word for word in arguments if word not in ("--ros-args", "--dds")]
+    words = [word for word in arguments if word not in ("--ros-args", "--dds", "--zenoh")]
     while words:
         flag = words.pop(0)
         name, parted, value = (words.pop(0) if words else "").partition(":=")
@@ -91,7 +95,12 @@ def _value(name: str, standard: Any, text: str) -> Any:
         raise UrlError(f"{name}:={text}: expected a number") from None
 
 
-def run_dds(
+def carrier() -> str:
+    """Return what carries the messages of a node without rclpy: what RMW_IMPLEMENTATION says, or DDS."""
+    return ZENOH if os.environ.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp" else DDS
+
+
+def run_alone(
     interface: Interface,
     build: Build,
     connect: Connect,
@@ -99,9 +108,13 @@ def run_dds(
     *,
     namespace: str,
     services: bool = True,
+    over: str = DDS,
     until: threading.Event | None = None,
 ) -> int:
-    """Run the node on DDS until SIGINT, SIGTERM or `until`. Return the exit code."""
+    """Run the node without rclpy until SIGINT, SIGTERM or `until`. Return the exit code.
+
+    `over` is "dds" or "zenoh".
+    """
     if not logging.getLogger().handlers:
         logging.basicConfig(level=logging.INFO, format="%(levelname)s: %(message)s")
     text = os.environ.get("ROS_DOMAIN_ID", "0") or "0"
@@ -109,7 +122,7 @@ def run_dds(
         raise UrlError(f"ROS_DOMAIN_ID={text}: expected 0 to 232")
     with stopped_by_signals() if until is None else nullcontext(until) as stop:
         options = parameters.options()
-        plane = DdsPlane(interface, namespace, int(text))
+        plane = _plane(over, interface, namespace, int(text))
         node = RobotNode(
             interface,
             plane,
@@ -129,6 +142,13 @@ def run_dds(
             node.close()
             plane.close()
         return 1 if node.keeper.failure is not None else 0
+
+
+def _plane(over: str, interface: Interface, namespace: str, domain: int) -> DdsPlane | ZenohPlane:
+    if over == ZENOH:
+        # Humble has no hashes of types. Its nodes and newer ones do not meet.
+        return ZenohPlane(interface, namespace, domain, hashes=os.environ.get("ROS_DISTRO") != "humble")
+    return DdsPlane(interface, namespace, domain)
 
 
 def _descriptor(parameter: Described) -> Any:
