@@ -82,7 +82,7 @@ def test_one_extra_has_all_of_them_and_what_a_new_project_is_tested_with() -> No
     assert EXTRAS is not None
     extras = {
         name: set(re.findall(r'"([^"]+)"', packages))
-        for name, packages in re.findall(r"^(\w+) = \[(.*)\]$", EXTRAS[1], re.M)
+        for name, packages in re.findall(r"^([\w-]+) = \[(.*)\]$", EXTRAS[1], re.M)
     }
     everything = extras.pop("all")
     assert len(extras) > 5
