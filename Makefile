@@ -8,6 +8,8 @@
 #   make demo-tosnet   a SCARA whose joints are nodes of a ring, five twins and then five compiled designs, loses a
 #                fibre and goes on
 #   make demo-serve   the SCARA moves, and its page in the browser shows it; prints the page's URL (SECONDS=20: so long)
+#   make demo-fleet   eight SCARAs on a Zenoh network in one table; one is killed and comes back; ends after a minute
+#                (SECONDS=15: sooner)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make page    makes the page of the dashboard anew from web/ (CHECK=1: compares what is there with it)
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your
@@ -64,7 +66,7 @@ KINDS ?= address,undefined thread
 TESTS ?= tests
 
 .PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet \
-	demo-ros test \
+	demo-ros demo-fleet test \
 	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
 	fresh page demo-serve lerobot help
 help:
@@ -110,6 +112,10 @@ demo-tosnet: $(VENV)/.built
 demo-serve: $(VENV)/.built
 	@tools/setup.sh group all
 	$(BIN)/python examples/dashboard/run.py $(if $(filter-out file,$(origin SECONDS)),--seconds $(SECONDS))
+
+demo-fleet: $(VENV)/.built
+	@tools/setup.sh group all
+	$(BIN)/python examples/fleet/run.py $(if $(filter-out file,$(origin SECONDS)),--seconds $(SECONDS))
 
 demo-ros: $(VENV)/.built
 	@tools/setup.sh ros

@@ -25,6 +25,7 @@
     ├── UnknownName                a name that a robot, a group or a recording does not have (KeyError)
     ├── UrlError                   a link URL that cannot be understood (ValueError)
     ├── SpecError                  a UL-spec with errors; carries .diagnostics
+    ├── FleetError                 a description of a fleet that cannot be used
     ├── ToolError                  a program that compiles gateware is missing or refuses its input
     ├── BoardError                 a board that is not known, or a design that does not go on it
     └── BindingError               a generated file that does not belong to this library, spec or link
@@ -209,6 +210,10 @@ class SpecError(UnityLinkError):
     def __init__(self, report: str, diagnostics: Sequence[object] = ()) -> None:
         super().__init__(report)
         self.diagnostics = tuple(diagnostics)
+
+
+class FleetError(UnityLinkError):
+    """A description of a fleet cannot be used: two robots of one name, a missing spec, an unknown word."""
 
 
 class ToolError(UnityLinkError):

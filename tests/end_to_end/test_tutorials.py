@@ -25,7 +25,7 @@ def script_of(page: str) -> str:
     """Return everything that a page lets its reader type, as one bash script."""
     parts = ["set -e"]
     for language, file, text in BLOCK.findall((ROOT / "docs" / page).read_text("utf-8")):
-        assert language in ("sh", "python", "text"), f"{page}: a block of {language}"
+        assert language in ("sh", "python", "text", "toml"), f"{page}: a block of {language}"
         assert file or language != "python", f"{page}: a Python block without a title is run by nobody"
         if file:
             parts.append(f"cat > {file} <<'END OF FILE'\n{text}END OF FILE")

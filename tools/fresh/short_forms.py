@@ -13,6 +13,7 @@ SHORT_FORMS = {
     "demo-tosnet": "",
     "demo-ros": "",
     "demo-serve": "SECONDS=3",
+    "demo-fleet": "SECONDS=15",
     "page": "CHECK=1",
     "extras": "",
     "test": "TESTS=tests/unit/values",

@@ -62,7 +62,7 @@ def command(
 
     `zenoh` lets every machine of a Zenoh network use the robot as if it were its own: LINK is then
     zenoh:NAME there. Its options are --key, --connect, --listen, --zenoh-config, --anyone, --may and --audit.
-    The others are for ROS.
+    The others are for ROS. Several robots: unitylink fleet.
 
     \b
     Examples:

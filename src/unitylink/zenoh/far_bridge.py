@@ -239,7 +239,7 @@ class FarBridge:
             raise DeviceMismatch(
                 f"{len(boards)} robots have the name {self.keys.name} on this network; stop one bridge"
             )
-        name = secrets.token_hex(8)
+        name = "-".join(filter(None, (self.options.name, secrets.token_hex(8))))
         token = self.session.liveliness().declare_token(self.keys.client(name))
         hello = json.dumps({"client": name}).encode()
         asked_ns = time.monotonic_ns()

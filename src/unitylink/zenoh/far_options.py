@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from urllib.parse import parse_qsl
 
@@ -11,13 +12,17 @@ from unitylink.errors import UrlError
 from .keys import Keys
 from .session import Network
 
-OPTIONS = ("connect", "config", "timeout", "attempts", "reconnect", "spec_hash")
+OPTIONS = ("connect", "config", "timeout", "attempts", "reconnect", "spec_hash", "name")
+_NAME = re.compile(r"[A-Za-z0-9_-]{0,20}")
 TIMEOUT_S, TIMEOUT_MOST_S, ATTEMPTS, ATTEMPTS_MOST = 0.3, 60.0, 3, 100
 
 
 @dataclass(frozen=True)
 class FarOptions:
-    """What the URL of a robot on a Zenoh network says. `spec_hash` is 16 hex digits, `any`, or empty."""
+    """What the URL of a robot on a Zenoh network says. `spec_hash` is 16 hex digits, `any`, or empty.
+
+    `name` is what others see of this client, if it holds a lease for example.
+    """
 
     url: str
     keys: Keys
@@ -26,6 +31,7 @@ class FarOptions:
     attempts: int = ATTEMPTS
     reconnect: bool = True
     spec_hash: str = ""
+    name: str = ""
 
 
 def read_far_url(url: str) -> FarOptions:
@@ -55,6 +61,8 @@ def read_far_url(url: str) -> FarOptions:
         )
     if options.get("reconnect", "1") not in ("0", "1"):
         raise UrlError(f"link URL {url!r}: reconnect is 0 or 1")
+    if not _NAME.fullmatch(options.get("name", "")):
+        raise UrlError(f"link URL {url!r}: name has up to 20 letters, digits, `_` or `-`")
     return FarOptions(
         url,
         keys,
@@ -63,4 +71,5 @@ def read_far_url(url: str) -> FarOptions:
         attempts,
         options.get("reconnect", "1") == "1",
         options.get("spec_hash", "").lower(),
+        options.get("name", ""),
     )

@@ -20,6 +20,11 @@ def first_cells(text: str) -> set[str]:
     return {word for cell in cells for word in re.findall(r"`([\w-]+)", cell)}
 
 
+def _with_parts(command: click.Command) -> list[click.Command]:
+    """Return a command and, if it is a group, its own commands."""
+    return [command, *(command.commands.values() if isinstance(command, click.Group) else ())]
+
+
 def test_every_command_and_what_it_prints_as_json() -> None:
     page = (DOCS / "command-line.md").read_text("utf-8")
     commands, as_json = page.split("`--json` prints instead:")
@@ -29,7 +34,7 @@ def test_every_command_and_what_it_prints_as_json() -> None:
         name
         for name in cli.COMMANDS
         if (command := cli.cli.get_command(context, name)) is not None
-        and any("--json" in parameter.opts for parameter in command.params)
+        and any("--json" in parameter.opts for one in _with_parts(command) for parameter in one.params)
     }
     assert first_cells(as_json.split("\n\n", 2)[1]) == printing
 

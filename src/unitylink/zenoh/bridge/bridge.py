@@ -122,6 +122,8 @@ class Bridge:
             "bridge": self.id,
             "hash": self.hash,
             "away": "" if self._alive else report["away"] or "the board does not answer",
+            "device": _device(self._at),
+            "statistics": report.get("statistics", {}),
             "clients": clients,
             "leases": report["leases"],
             "stopped_by": report["stopped_by"],
@@ -299,3 +301,12 @@ class Bridge:
 
     def _clock(self, query: zenoh.Query) -> None:
         query.reply(self.keys.fixed("clock"), CLOCK.pack(int(self.id, 16), time.monotonic_ns()))
+
+
+def _device(link: Link | None) -> dict[str, Any]:
+    """Return what the gateware says of itself. The hash is empty if it does not know its spec."""
+    description = link.description if link is not None else None
+    if description is None:
+        return {}
+    known = f"{description.spec_hash:016x}" if description.spec_hash else ""
+    return {"hash": known, "gateware_version": description.gateware_version, "build": description.build}

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink fleet run`: a bridge for each robot, watched and started again, until Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from contextlib import ExitStack
+
+import click
+
+fleet_argument = click.argument("file", metavar="FLEET.toml")
+
+
+@click.command(short_help="Run it, until Ctrl-C (without an action, too).")
+@fleet_argument
+@click.option("--check-config", is_flag=True, help="Check the description and the specs, and end.")
+@click.option("--duration", "duration_s", type=click.FloatRange(0), metavar="S", help="End after S seconds.")
+def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
+    """Run a fleet: a bridge for each robot, as a process of its own, until Ctrl-C.
+
+    A bridge that ends is started again, after a pause that doubles from 0.25 s up to 30 s. On a terminal,
+    one table shows all robots. Elsewhere each change is a line. Ctrl-C and SIGTERM end all of it in order:
+    outputs keep their values.
+
+    Without `connect` or `zenoh_config` in the file, this program is the router of the network.
+
+    \b
+    Examples:
+      unitylink fleet fleet.toml
+      unitylink fleet run fleet.toml --check-config
+    """
+    from unitylink.fleet.reader import read_fleet
+    from unitylink.fleet.specs import SpecStore
+    from unitylink.fleet.supervisor import Supervisor
+    from unitylink.program import stopped_by_signals
+
+    from .fleet_bridges import start_bridge
+    from .fleet_table import News, show
+
+    fleet = read_fleet(file)
+    _check_router(fleet.router, anyone=fleet.anyone)
+    if check_config:
+        with SpecStore(fleet) as specs:
+            for robot in fleet.robots:
+                click.echo(f"{robot.name}: {robot.link} as {robot.key}, spec {specs.hash(robot)}")
+        return
+    news = News()
+    with stopped_by_signals() as stop, ExitStack() as stack:
+        supervisor = stack.enter_context(Supervisor(fleet, news.say, start_bridge))
+        where = fleet.network()
+        click.echo(
+            f"{len(fleet.robots)} robots of {fleet.name} on Zenoh, at {where.connect or where.config}; "
+            "Ctrl-C ends it"
+        )
+        sys.stdout.flush()
+        if duration_s is not None:
+            timer = threading.Timer(duration_s, stop.set)
+            timer.daemon = True
+            timer.start()
+        show(supervisor, news, stop)
+        news.say(fleet.name, "ends its bridges")
+
+
+def _check_router(locator: str, *, anyone: bool) -> None:
+    from .bridge_zenoh import ZenohOptions
+
+    ZenohOptions(
+        key=None,
+        connect=None,
+        listen=locator,
+        zenoh_config=None,
+        anyone=anyone,
+        may=(),
+        audit_file=None,
+    ).check()

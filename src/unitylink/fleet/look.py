@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One look at a fleet from anywhere on its network."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import LinkNotFound
+from unitylink.zenoh.session import Network
+
+from .description import Fleet
+from .report import RobotReport, report_of
+from .roll_call import RollCall
+from .supervisor import state_key
+
+if TYPE_CHECKING:
+    import zenoh
+
+ANSWER_S = 2.0  # how long a bridge has to tell its state
+_TOKENS_S = 1.0  # how long the tokens have to come; they come at once where all is well
+_STEP_S = 0.02
+_PAUSE_S = 0.2  # between two attempts to reach the router
+
+
+def look_at(fleet: Fleet, wait_s: float = 0.0) -> tuple[bool, list[RobotReport]]:
+    """Return whether a program runs the fleet, and what the network tells of each robot.
+
+    It waits up to `wait_s` for robots that are not there. Raises LinkNotFound if no router answers.
+    """
+    limit_s = time.monotonic() + max(wait_s, _TOKENS_S)
+    with _opened(fleet.network(), limit_s if wait_s else 0.0) as session:
+        call = RollCall(session, [robot.key for robot in fleet.robots])
+        while time.monotonic() < limit_s and not all(call.of(one.key).reachable for one in fleet.robots):
+            time.sleep(_STEP_S)
+        told = _told(session, fleet.name)
+        call.ask_and_wait(ANSWER_S)
+        processes = told.get("robots")
+        rows = processes if isinstance(processes, dict) else {}
+        reports = [report_of(one, call.of(one.key), rows.get(one.name)) for one in fleet.robots]
+        call.close()
+    return bool(told), reports
+
+
+def _opened(network: Network, limit_s: float) -> zenoh.Session:
+    """Open a session. Wait for the router until `limit_s`, by the monotonic clock."""
+    while True:
+        try:
+            return network.opened()
+        except LinkNotFound:
+            if time.monotonic() > limit_s:
+                raise
+            time.sleep(_PAUSE_S)
+
+
+def _told(session: zenoh.Session, name: str) -> dict[str, Any]:
+    """Return what the program that runs the fleet tells, or nothing."""
+    for reply in session.get(state_key(name), timeout=ANSWER_S):
+        if reply.ok is not None:
+            try:
+                told = json.loads(reply.ok.payload.to_bytes())
+            except (ValueError, RecursionError):
+                continue
+            if isinstance(told, dict):
+                return told
+    return {}

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the processes of bridges come from: forks of one process that has imported all that a bridge needs.
+
+Importing is most of what the start of a bridge costs. The process that is
+forked has no threads and no sessions.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TextIO
+
+Main = Callable[[list[str]], int]
+
+
+class Forked:
+    """`main(arguments)` as a process in `folder`. `lines` is what it writes to stderr.
+
+    It ends when the process that made it is gone, also if that was killed. `imports` are the modules that are
+    imported once for all.
+    """
+
+    def __init__(self, main: Main, arguments: Sequence[str], folder: Path, imports: Sequence[str]) -> None:
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(list(imports))
+        os.environ.setdefault(
+            "OPENBLAS_NUM_THREADS", "1"
+        )  # a fork has one thread, and a bridge needs no more
+        listening, told = context.Pipe(duplex=False)
+        ours, theirs = context.Pipe(duplex=False)
+        self._process = context.Process(
+            target=_run, args=(main, list(arguments), str(folder), told, ours), daemon=True
+        )
+        self._process.start()
+        told.close()
+        ours.close()
+        self._alive = theirs
+        self.lines: TextIO = os.fdopen(os.dup(listening.fileno()), encoding="utf-8", errors="replace")
+        listening.close()
+
+    @property
+    def pid(self) -> int:
+        """The number of the process."""
+        assert self._process.pid is not None
+        return self._process.pid
+
+    def poll(self) -> int | None:
+        """Return the exit code, negative for a signal, or None while it runs."""
+        return self._process.exitcode
+
+    def terminate(self) -> None:
+        """Send SIGTERM."""
+        with contextlib.suppress(ProcessLookupError):
+            self._process.terminate()
+
+    def kill(self) -> None:
+        """Send SIGKILL."""
+        with contextlib.suppress(ProcessLookupError):
+            self._process.kill()
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Wait until it has ended. Return whether it has."""
+        self._process.join(timeout_s)
+        return self._process.exitcode is not None
+
+    def close(self) -> None:
+        """Let go of a process that has ended."""
+        self.lines.close()
+        self._alive.close()
+        self._process.close()
+
+
+def _run(main: Main, arguments: list[str], folder: str, told: Connection, alive: Connection) -> None:
+    """The life of the child."""
+    os.setsid()  # Ctrl-C is for the fleet, which ends its bridges itself
+    os.chdir(folder)
+    os.dup2(told.fileno(), 2)
+    told.close()
+    with open(os.devnull, "w", encoding="utf-8") as nothing:
+        os.dup2(nothing.fileno(), 1)
+    threading.Thread(target=_end_with, args=(alive,), daemon=True).start()
+    code = main(arguments)
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _end_with(alive: Connection) -> None:
+    """Nothing is ever sent: the other end is closed when its process is gone."""
+    with contextlib.suppress(EOFError, OSError):
+        alive.recv_bytes()
+    os.kill(os.getpid(), signal.SIGTERM)

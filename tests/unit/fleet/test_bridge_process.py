@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The process of a bridge: started again with longer pauses, killed when it hangs, ended in order."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from unitylink.fleet.bridge_process import (
+    FIRST_PAUSE_S,
+    PAUSE_MOST_S,
+    SILENT_S,
+    START_S,
+    WELL_S,
+    BridgeProcess,
+)
+
+Make = Callable[[str], BridgeProcess]
+
+
+class Shell:
+    """A script as a process."""
+
+    def __init__(self, script: str, folder: Path) -> None:
+        self._popen = subprocess.Popen(
+            ["/bin/sh", "-c", script], cwd=folder, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL
+        )
+        assert self._popen.stderr is not None
+        self.lines = self._popen.stderr
+        self.pid, self.poll = self._popen.pid, self._popen.poll
+        self.terminate, self.kill = self._popen.terminate, self._popen.kill
+        self.close = self.lines.close
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._popen.wait(timeout_s)
+        return self._popen.returncode is not None
+
+
+@pytest.fixture
+def said() -> list[str]:
+    return []
+
+
+@pytest.fixture
+def make(tmp_path: Path, said: list[str]) -> Make:
+    return lambda script: BridgeProcess(lambda: Shell(script, tmp_path), said.append)
+
+
+def wait_dead(one: BridgeProcess, now_s: float) -> None:
+    """Look with the same time until the death has been noticed."""
+    limit_s = time.monotonic() + 10
+    while one.pid is not None:
+        one.look(now_s, on_network=True)
+        assert time.monotonic() < limit_s
+        time.sleep(0.002)
+
+
+def test_pauses_double_up_to_a_limit_and_begin_again_after_a_good_time(make: Make, said: list[str]) -> None:
+    one, now_s, pauses = make("echo 'error: no such port' >&2; echo '{}' >&2; exit 3"), 100.0, []
+    for count in range(1, 10):
+        one.look(now_s, on_network=False)
+        wait_dead(one, now_s)
+        assert one.restarts == count
+        pause_s = FIRST_PAUSE_S * 2 ** (count - 1)
+        pauses.append(min(pause_s, PAUSE_MOST_S))
+        one.look(now_s + pauses[-1] - 0.01, on_network=False)
+        assert one.pid is None, "it waits"
+        now_s += pauses[-1]
+    assert pauses[-1] == PAUSE_MOST_S
+    assert one.trouble == "ended with code 3: error: no such port"
+    assert said[0] == f"{one.trouble}; it is started again in 0.25 s (restart 1)"
+    one.look(now_s, on_network=True)
+    wait_dead(one, now_s + WELL_S)
+    assert "again in 0.25 s" in said[-1]
+
+
+def test_who_has_left_the_network_and_lives_is_killed(make: Make, said: list[str]) -> None:
+    one = make("exec sleep 60")
+    one.look(100.0, on_network=False)
+    one.look(100.0 + START_S, on_network=False)
+    assert not said, "it may take its time to come"
+    one.look(101.0 + START_S, on_network=True)
+    one.look(101.0 + START_S + SILENT_S, on_network=False)
+    assert not said
+    one.look(101.1 + START_S + SILENT_S, on_network=False)
+    assert "is killed" in said[0]
+    wait_dead(one, 200.0)
+    assert one.trouble == "ended with signal 9" and one.restarts == 1
+
+
+def test_it_is_ended_in_order_and_what_ignores_that_is_killed(
+    make: Make, said: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good = make("trap 'echo bye > bye; exit 0' TERM; echo > there; while :; do sleep 0.01; done")
+    good.look(0.0, on_network=True)
+    while not (tmp_path / "there").exists():
+        time.sleep(0.002)
+    pid = good.pid
+    assert pid is not None
+    good.end()
+    assert (tmp_path / "bye").read_text() == "bye\n"
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+    monkeypatch.setattr("unitylink.fleet.bridge_process.END_S", 0.1)
+    bad = make("trap '' TERM; echo > here; while :; do sleep 0.01; done")
+    bad.look(0.0, on_network=True)
+    while not (tmp_path / "here").exists():
+        time.sleep(0.002)
+    bad.end()
+    assert "does not end: it is killed" in said[0] and bad.pid is None
+
+
+def test_what_cannot_be_started_is_said(said: list[str]) -> None:
+    def fail() -> Shell:
+        raise FileNotFoundError(2, "No such file or directory")
+
+    one = BridgeProcess(fail, said.append)
+    one.look(0.0, on_network=False)
+    assert one.restarts == 1 and "cannot be started: No such file" in said[0]
