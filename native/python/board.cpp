@@ -367,6 +367,7 @@ void bind_board(nb::module_& module) {
           },
           nb::arg("address"), nb::arg("value"), Release())
       .def("preset", &preset<PythonBoard>, nb::arg("address"), nb::arg("value"), Release())
+      .def("write", &write<PythonBoard>, nb::arg("address"), nb::arg("value"), Release())
       .def("hold_plant", &Board::hold_plant, Release())
       .def_prop_ro("plant_phase", [](PythonBoard& self) { return plant_phase(self); })
       .def("release_plant", &release_plant<PythonBoard>, nb::arg("clock"), nb::arg("wait"), Release())

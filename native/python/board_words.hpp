@@ -58,6 +58,11 @@ bool preset(PythonBoard& board, std::uint32_t address, std::uint32_t value) {
   return board.preset(address, value) == device::BusStatus::ok;
 }
 
+template <class PythonBoard>
+bool write(PythonBoard& board, std::uint32_t address, std::uint32_t value) {
+  return board.write(address, value) == device::BusStatus::ok;
+}
+
 // The clock of the plant's next step, and the clocks until then. None: it makes none.
 template <class PythonBoard>
 std::optional<std::pair<device::Clock, device::Clock>> plant_phase(PythonBoard& board) {

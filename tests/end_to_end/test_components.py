@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from unitylink import Link, connect
-from unitylink.errors import ValueRangeError
+from unitylink.errors import LinkError, ValueRangeError
 from unitylink.layer4_data import load_spec_objects
 from unitylink.simulate import Board
 from unitylink.simulate.rtl import RtlBoard
@@ -28,6 +29,8 @@ public cart() {
    wheel[2]: quadrature_encoder(rate=1 kHz, scale=2*pi/4096 rad, with_index=1);
    drive: pwm(channels=2, frequency_hz=5000);
    pad: gpio(pins=4, safe=5);
+   spindle: three_phase_pwm(frequency_hz=5000);
+   rotor: hall(scale=2*pi/42 rad);
    @pressed = 0x0: u4 READ(PUBLISH(on pad.changed));
 }
 """
@@ -248,3 +251,70 @@ def test_a_component_of_ones_own_is_compiled_for_sim(tmp_path: Path) -> None:
             until(lambda goal=goal: link.read(address(spec, "motor.position")) == goal & 0xFFFFFFFF)
             until(lambda goal=goal: motor.steps("step", "forward") == goal)
         assert motor.rises("step") == 75
+
+
+MODEL = """
+<mujoco>
+  <option timestep="0.001" integrator="implicitfast"/>
+  <worldbody><body><joint name="arm" type="hinge" axis="0 0 1"/>
+    <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body>
+    <body pos="0 0 1"><joint name="spindle" type="hinge" axis="0 0 1"/>
+    <inertial pos="0 0 0" mass="1" diaginertia="5e-4 5e-4 5e-4"/></body></worldbody>
+</mujoco>
+"""
+MAP = """
+model = "cart.xml"
+[values]
+"drive" = {joint = "arm", motor = "maxon RE 30", ratio = 20, supply_v = 24, reverse_channel = 1}
+"wheel[1]" = {joint = "arm"}
+"spindle" = {motor = "GBM2804H-100T", supply_v = 12}
+"rotor" = {joint = "spindle"}
+"pad" = {joint = "arm", channel = 2, above = 30, unit = "deg"}
+"""
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
+@pytest.mark.parametrize("scheme", ["sim", "rtl"])
+def test_joints_of_mujoco_are_turned_by_pins_and_safe_when_their_model_fails(
+    scheme: str, spec: Spec, tmp_path: Path
+) -> None:
+    for name, text in (("cart.ul", TEXT), ("cart.xml", MODEL), ("cart.toml", MAP)):
+        (tmp_path / name).write_text(text)
+    file = tmp_path / "cart.ul"
+    url = f"{scheme}:{file}?plant=mujoco:{tmp_path / 'cart.toml'}&protocol=framed&deadman=0.02"
+    with connect(url, time="lockstep") as link, connect(f"sim:{file}", time="lockstep") as other:
+        robot, board = load_spec_objects(spec, link), link.board
+        robot["pad.outputs"].write(0b1010)
+        robot["drive.width[0]"].write(1.0)
+        robot["drive.control"].write({"enable": True})
+        link.step(0.15)
+        turned = board.plant.data.qpos[0]
+        assert 0.6 < turned < 3.0
+        assert robot["wheel[1].position"].read() == pytest.approx(turned, abs=0.03)
+        assert robot["wheel[0].position"].read() == 0.0
+        assert robot["pad.levels"].read() == 0b0100
+
+        # a field that turns takes the brushless motor along
+        robot["spindle.control"].write({"enable": True, "sample_start": False, "sample_middle": False})
+        for number in range(16):
+            for phase in range(3):
+                turn = math.pi / 12 * number - 2 * math.pi / 3 * phase
+                robot[f"spindle.duty[{phase}]"].write(0.8 * math.cos(turn))
+            link.step(0.01)
+        turned = board.plant.data.joint("spindle").qpos[0]
+        assert turned == pytest.approx(math.pi / 12 * 16 / 7, abs=0.2)
+        assert robot["rotor.position"].read() == pytest.approx(turned, abs=2 * math.pi / 42)
+
+        board.plant.data.qvel[0] = 1e12
+        if scheme == "rtl":
+            with pytest.raises(LinkError):
+                link.step(0.01)
+            other.step(0.03)  # all boards share their time, and nobody talks to this one
+        else:
+            link.step(0.01)
+        assert re.search(r"unstable at 0\.3\d* s, first at joint 'arm'", str(board.error))
+        assert not board.components["drive"].level("pins", 0)
+        gates = [board.components["spindle"].level(side, n) for side in ("high", "low") for n in range(3)]
+        assert not any(gates)
+        outputs = [board.components["pad"].level("pin_out", bit) for bit in range(4)]
+        assert outputs == [True, False, True, False]  # safe=5

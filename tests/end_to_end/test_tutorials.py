@@ -20,6 +20,8 @@ from .conftest import PATIENCE_S, ROOT
 
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```", re.M | re.S)
 
+MUJOCO = pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
+
 
 def script_of(page: str) -> str:
     """Return everything that a page lets its reader type, as one bash script."""
@@ -38,6 +40,11 @@ def script_of(page: str) -> str:
     ("page", "says"),
     [
         ("plants.md", ("after half a second: 7.3 rad",)),
+        pytest.param(
+            "mujoco-parts.md",
+            ("the encoder says -0.50 rad, and the joint is at -0.50 rad",),
+            marks=MUJOCO,
+        ),
         ("own-plant.md", ("x.target = 0.524 rad", "x.position=", "there: 60 deg", "2 passed")),
         pytest.param(
             "learn.md",
@@ -48,7 +55,7 @@ def script_of(page: str) -> str:
                 "cut: over at step 50: ",
                 "whole: ",
             ),
-            marks=pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11"),
+            marks=MUJOCO,
         ),
         (
             "own-board.md",

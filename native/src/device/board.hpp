@@ -75,6 +75,7 @@ class Board : private Lockstep::Member {
   // For the state of a board that a new one gets: a word, and the plant's own clock. While the plant is held it makes
   // no step. release_plant() lets it go on as the other one would have gone on.
   BusStatus preset(std::uint32_t address, std::uint32_t value);
+  BusStatus write(std::uint32_t address, std::uint32_t value);  // as the dead-man does; only the twin can
   struct PlantPhase {
     Clock clock = never;  // of its next step. never: it makes none
     Clock wait = 0;       // until then

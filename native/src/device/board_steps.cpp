@@ -101,6 +101,13 @@ BusStatus Board::preset(std::uint32_t address, std::uint32_t value) {
   return device_->preset(address, value);
 }
 
+BusStatus Board::write(std::uint32_t address, std::uint32_t value) {
+  const auto lock = enter();
+  const BusStatus status = device_->write(address, value);
+  wake();
+  return status;
+}
+
 Board::PlantPhase Board::plant_phase() {
   const auto lock = enter();
   return plant_next_ == never ? PlantPhase{} : PlantPhase{plant_next_ + plant_offset_, plant_next_ - device_->clock()};

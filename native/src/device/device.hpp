@@ -56,6 +56,7 @@ class Device final : public ServedDevice {
   BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
   BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }
   BusStatus preset(std::uint32_t address, std::uint32_t value) override { return bus_.preset(address, value, clock_); }
+  BusStatus write(std::uint32_t address, std::uint32_t value) override { return bus_.write(address, value, clock_); }
   [[nodiscard]] Tosnet* tosnet() noexcept override { return bus_.tosnet(); }
   [[nodiscard]] Pins& pins() noexcept override { return pins_; }
   [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }

@@ -67,8 +67,10 @@ class ServedDevice {
   virtual BusReply get(std::uint32_t address) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value) = 0;
   virtual BusStatus preset(std::uint32_t, std::uint32_t) { return BusStatus::error; }  // as Bus::preset: the twin
-  [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }                  // the network, if it is a model
-  [[nodiscard]] virtual Pins& pins() noexcept = 0;                                     // of the components
+  // Writes as the dead-man does: the twin. That of compiled gateware is its own.
+  virtual BusStatus write(std::uint32_t, std::uint32_t) { return BusStatus::error; }
+  [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network, if it is a model
+  [[nodiscard]] virtual Pins& pins() noexcept = 0;                     // of the components
 
   [[nodiscard]] virtual const DeviceStatistics& statistics() const noexcept = 0;
   [[nodiscard]] virtual std::string failure() const { return {}; }  // why the device has stopped, if it has

@@ -115,8 +115,8 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         """Write the action, let `dt_s` pass, and look.
 
-        A lost link ends the episode: it is truncated, and `info["lost"]` says why. Raises UnityLinkError with
-        the number of the step if the reward fails.
+        A lost link, or a plant that fails, ends the episode: it is truncated, and `info["lost"]` says why.
+        Raises UnityLinkError with the number of the step if the reward fails.
         """
         self.begin(action)
         self.wait()
@@ -193,8 +193,9 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
                 seen = self._look()
         except LinkError as error:
             self._lost = error
-        if self._lost is not None:
-            facts = {**self._facts(), "lost": str(self._lost)}
+        failed = self._link.board.error if self._virtual and self._link is not None else None
+        if self._lost is not None or failed is not None:
+            facts = {**self._facts(), "lost": str(failed or self._lost)}
             self._shut()
             return np.array(self._last), 0.0, False, True, facts
         self._steps += 1

@@ -165,27 +165,23 @@ class Board:
                 raised = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
                 raised.__cause__ = error
                 self._plant_error = raised
-                self._make_safe()
+                made_safe = self._make_safe()
                 _log.exception(
-                    "%s failed at %.6f s of device time; the board goes on without it, with safe outputs",
+                    "%s failed at %.6f s of device time; the board goes on without it, %s",
                     name,
                     time_s,
+                    made_safe,
                 )
                 return False
             return True
 
         self._native.set_plant(plant.period_s, guarded)
 
-    def _make_safe(self) -> None:
-        """Give the words that the PC writes their SAFE values, as the dead-man does.
-
-        Those of a component are its own: only the dead-man changes them. So is each of compiled gateware.
-        """
-        walked = self.spec.walk() if self.spec is not None else ()
-        own = {address for _, element in walked if element.safe is not None for address in element.addresses}
+    def _make_safe(self) -> str:
+        """Write the SAFE values, as the dead-man does. Return what was done, for the log."""
         for address, word in self.configuration.safe_words:
-            if address in own and not self.components.owns(address):  # the others are commits
-                self._native.preset(address, word) or self._native.set(address, word)
+            self._native.write(address, word)
+        return "with safe outputs"
 
     def _take_over(self, plant: AnyPlant, state: BoardState) -> None:
         if list(state.words) != saved_addresses(self.spec):

@@ -132,6 +132,18 @@ def test_a_lost_link_ends_the_episode_and_reset_begins_another(made: Made) -> No
     env.close()
 
 
+def test_a_plant_that_fails_ends_the_episode_and_reset_begins_another(made: Made) -> None:
+    env = made()
+    env.reset(seed=1)
+    env.robot.links[0].board.plant.speed = float("nan")
+    _, reward, done, over, facts = env.step(np.zeros(2))
+    assert (reward, done, over) == (0.0, False, True)
+    assert "Plant.step(" in facts["lost"] and "ValueError" in facts["lost"]
+    env.reset(seed=1)
+    assert "lost" not in env.step(np.zeros(2))[4]
+    env.close()
+
+
 def test_a_reward_that_fails_is_told_with_its_step(made: Made) -> None:
     env = made(reward=lambda seen, written: 1 / 0)
     env.reset()

@@ -19,6 +19,8 @@ from .measurement import Measurement
 from .rc_servo import RcServo, RcServoData
 from .stepper import Stepper, StepperData
 from .supply import Supply
+from .turned_brushless import TurnedBrushless
+from .turned_motor import TurnedMotor
 
 __all__ = [
     "BRUSHLESS",
@@ -43,4 +45,6 @@ __all__ = [
     "Stepper",
     "StepperData",
     "Supply",
+    "TurnedBrushless",
+    "TurnedMotor",
 ]

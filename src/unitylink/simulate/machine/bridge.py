@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Union
 
 from unitylink.errors import ValueRangeError
 
@@ -11,7 +11,9 @@ from ..components import BoardComponent
 from .checks import check_number, check_whole
 from .dc_motor import DcMotor
 from .supply import Supply
+from .turned_motor import TurnedMotor
 
+AnyMotor = Union[DcMotor, TurnedMotor]
 _DEAD = 0.1  # of the time no gate is on: as much may be dead time, in which the current hardly changes
 _MOST_PERIODS = 50
 
@@ -55,9 +57,9 @@ class Bridge:
             raise ValueRangeError(f"{where}: {entity} does not drive a bridge; take an h_bridge or a pwm")
         self._frequency_hz = float(facts["frequency_hz"])
 
-    def drive(self, motor: DcMotor, seconds: float) -> None:
+    def drive(self, motor: AnyMotor, seconds: float) -> None:
         """Let a motor run for a period of the plant, with what the pins did in the last one."""
-        share, idle = self._seen()
+        share, idle = self.seen()
         supply = self.supply
         before_a = motor.current_a
         if not supply.is_on or idle >= 1.0:
@@ -69,12 +71,12 @@ class Bridge:
             return
         supply.take(self, share * (before_a + motor.current_a) / 2, seconds)
 
-    def _drive(self, motor: DcMotor, share: float, seconds: float) -> None:
+    def _drive(self, motor: AnyMotor, share: float, seconds: float) -> None:
         """Use the mean voltage. The supply's own resistance is in the circuit, so it cannot ring."""
         ohm = self._ohm + share * share * self.supply.ohm
         motor.step(share * self.supply.without(self), seconds, series_ohm=ohm)
 
-    def _pulse(self, motor: DcMotor, share: float, idle: float, seconds: float) -> None:
+    def _pulse(self, motor: AnyMotor, share: float, idle: float, seconds: float) -> None:
         """Compute each period: driven, then idle. What is left is braked."""
         periods = min(max(1, round(seconds * self._frequency_hz)), _MOST_PERIODS)
         one_s, charge = seconds / periods, 0.0
@@ -89,7 +91,7 @@ class Bridge:
             charge -= abs(before_a) / 2 * (1 - driven) * one_s if motor.current_a == 0 else 0.0
         self.supply.take(self, charge / seconds if seconds > 0 else 0.0, seconds)
 
-    def _seen(self) -> tuple[float, float]:
+    def seen(self) -> tuple[float, float]:
         """Return the share of the time in which it drives, with its sign, and that in which no gate is on."""
         duty = self._pins.duty
         if self._form == 0:

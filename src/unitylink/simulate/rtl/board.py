@@ -56,6 +56,11 @@ class ModelBoard(Board):
     def _power_up(self, spec: Spec) -> None:
         """Do nothing, because the design's reset sets the initial values of the spec."""
 
+    def _make_safe(self) -> str:
+        """Break the line, because only its own dead-man reaches the words of compiled gateware."""
+        self._native.hang_up()
+        return "with its line cut: its dead-man makes the outputs safe, if one is set"
+
     def save(self) -> BoardState:
         """Raise UnityLinkError, because the state of compiled gateware cannot be read out."""
         raise UnityLinkError(

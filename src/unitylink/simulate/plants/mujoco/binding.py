@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from types import MappingProxyType
 from typing import Any
 
 from unitylink.errors import UnityLinkError
@@ -13,10 +14,13 @@ from unitylink.interface.joint_names import names_of, plain
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.units import unit
 
+from ...machine import MOTORS, DcMotorData
 from ..si_words import SiWord
 from . import places
+from .couplings import Couplings
+from .part_kinds import couple
 from .places import Place
-from .wish import Wish, wishes
+from .wish import Wish, Wishes, wishes
 
 
 @dataclass(frozen=True)
@@ -30,30 +34,43 @@ class Bound:
 
 @dataclass(frozen=True)
 class Bindings:
-    """What is shown, what is commanded, and what belongs to nothing: `notes` of values, `free` of a model."""
+    """What is shown, what is commanded, what components are at, and what belongs to nothing: `notes` of
+    values, `free` of a model."""
 
     seen: tuple[Bound, ...]
     moved: tuple[Bound, ...]
+    coupled: Couplings
     notes: tuple[str, ...]
     free: tuple[str, ...]
 
 
-def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> Bindings:
-    """Find the place of each value. Raises UnityLinkError for what is said and cannot be, and if nothing
-    belongs together."""
-    elements = [one for root in spec.roots for one in root.walk()] if spec else []
+def bind(
+    spec: Spec | None,
+    model: Any,
+    said: Mapping[str, Any],
+    file: str,
+    motors: Mapping[str, DcMotorData] | None = None,
+) -> Bindings:
+    """Find the place of each value, and of each component. `motors` are those that one can name.
+
+    Raises UnityLinkError for what is said and cannot be, and if nothing belongs together.
+    """
+    found = wishes(spec, said, file) if spec else Wishes()
+    wanted = found.values
+    coupled = couple(found.parts, model, MOTORS if motors is None else motors)
+    walked = [one for root in spec.roots for one in root.walk()] if spec else []
+    elements = [one for one in walked if one.path in wanted]  # the others are those of components
     names = {path: found for root in (spec.roots if spec else ()) for path, found in names_of(root).items()}
-    wanted = wishes(spec, said, file) if spec else {}
-    notes: list[str] = []
+    notes = list(coupled.notes)
     measured, commanded = list(places.measured(model)), list(places.commanded(model))
     read = [one for one in elements if not one.writable]
     written = [one for one in elements if one.writable and one.access != "PULSE"]
     of_read, of_written = (
         _Finder(measured, names, wanted, False, notes),
-        _Finder(commanded, names, wanted, True, notes),
+        _Finder(commanded, names, wanted, True, notes, taken=coupled.driven),
     )
     seen, moved = tuple(of_read.found(read)), tuple(of_written.found(written))
-    if not seen and not moved:
+    if not seen and not moved and not coupled.drives and not coupled.senses:
         joints = ", ".join(place.name for place in measured if place.what == "position") or "none"
         values = ", ".join(one.path for one in elements[:8]) or "none"
         raise UnityLinkError(
@@ -61,10 +78,10 @@ def bind(spec: Spec | None, model: Any, said: Mapping[str, Any], file: str) -> B
             f"the spec: {values}. They belong together by name and unit (docs/mujoco.md)"
         )
     free = (
-        *of_read.free_places([one.path for one in read]),
+        *of_read.free_places([one.path for one in read], coupled.shown),
         *of_written.free_places([one.path for one in written]),
     )
-    return Bindings(seen, moved, tuple(notes), free)
+    return Bindings(seen, moved, coupled, tuple(notes), free)
 
 
 class _Finder:
@@ -77,13 +94,15 @@ class _Finder:
         wanted: Mapping[str, Wish],
         written: bool,
         notes: list[str],
+        *,
+        taken: Mapping[tuple[str, int], str] = MappingProxyType({}),
     ) -> None:
         self._places = among
         self._names = names
         self._wanted = wanted
         self._written = written
         self._notes = notes
-        self._taken: dict[tuple[str, int], str] = {}  # the path of the value there
+        self._taken = dict(taken)  # the path of the value, or of the component, there
 
     def found(self, elements: Sequence[Element]) -> Iterator[Bound]:
         """Yield each value that has a place. Those that are said come first. Note the others."""
@@ -153,7 +172,8 @@ class _Finder:
             if (place.what, place.index) not in self._taken:
                 return self._made(element, place, wish)
             self._notes.append(
-                f"{element.path} is left out, because another value belongs to {place.name}, too"
+                f"{element.path} is left out, because {self._taken[place.what, place.index]} belongs to "
+                f"{place.name}, too"
             )
         elif other := [p for p in self._places if plain(p.name) in names and p.what == "sensor"]:
             self._notes.append(
@@ -181,9 +201,9 @@ class _Finder:
         zero = wish.zero / wish.scale if place.at_zero else 0.0
         return Bound(element, place, SiWord(element, factor, -factor * zero))
 
-    def free_places(self, paths: list[str]) -> Iterator[str]:
+    def free_places(self, paths: list[str], shown: Iterable[tuple[str, int]] = ()) -> Iterator[str]:
         """Yield a note for each joint and actuator without a value, with the nearest of these paths."""
-        told = set(self._taken)
+        told = {*self._taken, *shown}
         for place in self._places:
             key = place.what, place.index
             if place.what in ("position", "actuator") and place.name and key not in told:

@@ -15,18 +15,22 @@ import mujoco  # type: ignore[import-untyped]
 
 from unitylink.errors import UnityLinkError
 
+from ...machine import DcMotorData
+from .own_motors import motors_of
+
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-_KEYS = ("model", "shared", "values")
+_KEYS = ("model", "shared", "values", "motors")
 _log = logging.getLogger("unitylink.simulate")
 
 
 @dataclass(frozen=True)
 class ModelFile:
     """A model, and what the TOML says about values, by their paths. `notes` are about the model itself.
+    `motors` are those of the library, and those of the TOML.
 
     If it is `shared`, the boards of a process move the same model.
     """
@@ -35,6 +39,7 @@ class ModelFile:
     model: Any
     values: Mapping[str, Any]
     shared: bool
+    motors: Mapping[str, DcMotorData]
     notes: tuple[str, ...]
 
 
@@ -60,7 +65,8 @@ def load_model(file: str) -> ModelFile:
         f"link {name} of {path.name} has no <inertial>; it has the mass of its shapes in water"
         for name in bare
     ]
-    return ModelFile(path, model, data.get("values", {}), data.get("shared", False), tuple(notes))
+    motors = motors_of(data.get("motors", {}), file)
+    return ModelFile(path, model, data.get("values", {}), data.get("shared", False), motors, tuple(notes))
 
 
 def _map(path: Path) -> Mapping[str, Any]:
@@ -81,6 +87,9 @@ def _map(path: Path) -> Mapping[str, Any]:
         raise UnityLinkError(f'plant mujoco:{path}: it must name the model: model = "robot.xml"')
     if not isinstance(data.get("values", {}), Mapping):
         raise UnityLinkError(f'plant mujoco:{path}: `values` must be a table: [values."shoulder.position"]')
+    motors = data.get("motors", {})
+    if not isinstance(motors, Mapping) or not all(isinstance(one, Mapping) for one in motors.values()):
+        raise UnityLinkError(f'plant mujoco:{path}: `motors` must be tables: [motors."of my own"]')
     if not isinstance(data.get("shared", False), bool):
         raise UnityLinkError(f"plant mujoco:{path}: shared is {data['shared']!r}; it must be true or false")
     return data

@@ -11,7 +11,7 @@ import mujoco  # type: ignore[import-untyped]
 
 _TURNS = {"position": "rad", "velocity": "rad/s", "effort": "N m"}
 _SLIDES = {"position": "m", "velocity": "m/s", "effort": "N"}
-_UNITS = {int(mujoco.mjtJoint.mjJNT_HINGE): _TURNS, int(mujoco.mjtJoint.mjJNT_SLIDE): _SLIDES}
+UNITS_OF_JOINTS = {int(mujoco.mjtJoint.mjJNT_HINGE): _TURNS, int(mujoco.mjtJoint.mjJNT_SLIDE): _SLIDES}
 # what a sensor measures, by the end of its name in MuJoCo; others may have any unit
 _SENSED = {
     "m/s^2": ("ACCELEROMETER", "FRAMELINACC"),
@@ -50,7 +50,7 @@ class Place:
 def measured(model: Any) -> Iterator[Place]:
     """Yield what the joints and sensors measure."""
     for number in range(model.njnt):
-        units = _UNITS.get(int(model.jnt_type[number]))
+        units = UNITS_OF_JOINTS.get(int(model.jnt_type[number]))
         if units is None:
             continue  # a free joint or a ball has no single position
         name, dof = model.joint(number).name, int(model.jnt_dofadr[number])
@@ -75,8 +75,8 @@ def commanded(model: Any) -> Iterator[Place]:
         own = model.actuator(number).name
         if int(model.actuator_trntype[number]) == int(mujoco.mjtTrn.mjTRN_JOINT):
             turned = int(model.actuator_trnid[number, 0])
-            units, joint = _UNITS.get(int(model.jnt_type[turned])), model.joint(turned).name
-        kind = _kind_of(model, number)
+            units, joint = UNITS_OF_JOINTS.get(int(model.jnt_type[turned])), model.joint(turned).name
+        kind = kind_of(model, number)
         fits = units[kind] if units and kind else None
         for name in dict.fromkeys((own, joint or own)):
             yield Place(name, "actuator", fits, number, joint, at_zero=kind == "position")
@@ -85,7 +85,7 @@ def commanded(model: Any) -> Iterator[Place]:
     yield from limits  # behind the others: a velocity belongs to a motor that wants one
 
 
-def _kind_of(model: Any, number: int) -> str | None:
+def kind_of(model: Any, number: int) -> str | None:
     """Return what an actuator wants: "position", "velocity" or "effort". None: something else."""
     biases = mujoco.mjtBias
     bias = int(model.actuator_biastype[number])

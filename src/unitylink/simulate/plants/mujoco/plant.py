@@ -59,7 +59,8 @@ class MujocoPlant:
         if loaded.shared:
             member = tuple(root.name for root in spec.roots) if spec else ()
             self._world = World.shared_by(loaded.path, member, self._world)
-        found = bind(spec, self.model, loaded.values, self._file)
+        found = bind(spec, self.model, loaded.values, self._file, loaded.motors)
+        self._couplings, self._components = found.coupled, registers.components
         # what this board leaves free in a shared world may belong to another
         self.notes = (*loaded.notes, *found.notes, *(() if loaded.shared else found.free))
         for note in self.notes:
@@ -95,7 +96,10 @@ class MujocoPlant:
             joints = self.model.actuator_trnid[self._controls[self._limited], 0]
             self.data.ctrl[self._controls[self._limited]] = self.data.qpos[self.model.jnt_qposadr[joints]]
             mujoco.mj_forward(self.model, self.data)
+            self._drives, self._shown = self._couplings.made(self._components, self.data)
             self._show()
+            for shown in self._shown:
+                shown.show(0.0)
 
     def step(self, time_s: float) -> None:
         """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
@@ -112,10 +116,14 @@ class MujocoPlant:
                 changed = self._set_points.read_new()
                 if changed is not None:
                     self.data.ctrl[self._controls] = changed
+            for drive in self._drives:
+                drive.push(self.period_s)
             # the first step is in the moment of the reset, so nothing has moved yet
             self._steps = self._world.steps if self._steps is None else self._steps + 1
             self._world.move_to(self._steps, time_s)
             self._show()
+            for shown in self._shown:
+                shown.show(self.period_s)
 
     def reset(self) -> None:
         """Go back to the start of the model."""

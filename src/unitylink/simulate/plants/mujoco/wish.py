@@ -3,20 +3,23 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, Union
 
 from unitylink.errors import UnityLinkError
+from unitylink.interface.joint_names import plain
 from unitylink.spec.model import Element, Instance, Spec
 from unitylink.spec.units import unit
 
+from .part_wish import KEYS as PART_KEYS
+from .part_wish import PLACES, PartWish, check_said
+
 ANNOTATION = "mujoco"
-PLACES = ("joint", "actuator", "sensor")
 KEYS = (*PLACES, "unit", "scale", "sign", "zero")
+Told = tuple[Mapping[str, Any], str]  # what is said, and by whom
 
 
 @dataclass(frozen=True)
@@ -46,94 +49,150 @@ class Wish:
         return "", ""
 
     def with_further(self, said: Mapping[str, Any], by: str, own: bool) -> Wish:
-        """Return it with what is said closer to the value. Raises UnityLinkError for what cannot be."""
-        _check(said, by)
-        made = replace(self, **said)
+        """Return it with what is said closer to the value. Raises UnityLinkError for what cannot be.
+
+        What is said of a part may be for the components in it, and then says nothing here.
+        """
+        check_said(said, by, KEYS if own else PART_KEYS)
+        made = replace(self, **{key: value for key, value in said.items() if key in KEYS})
         if any(key in said for key in PLACES):
             made = replace(made, by=by, own=own, **{key: said.get(key, "") for key in PLACES})
+        if made.unit and unit(made.unit) is None:
+            raise UnityLinkError(f"{by}: there is no unit {made.unit!r}; some are deg, rad/s, mm, N m")
         return made
 
 
-def wishes(spec: Spec, values: Mapping[str, Any], file: str) -> dict[str, Wish]:
-    """Return the wish for each value, by path. The TOML's `values` come after what the spec says.
+@dataclass
+class Wishes:
+    """What is said about values, by path, and about components. One with several channels has several."""
 
-    Raises UnityLinkError for a key that there is not, and for a name in `values` that no value has.
+    values: dict[str, Wish] = field(default_factory=dict)
+    parts: list[PartWish] = field(default_factory=list)
+
+
+class _Inside:
+    """A place in the spec: what the parts around it say, and the paths and names of these parts."""
+
+    def __init__(self, told: tuple[Told, ...] = (), paths: tuple[str, ...] = ()) -> None:
+        self.told, self.paths = told, paths
+
+    def within(self, instance: Instance) -> _Inside:
+        told = (*self.told, *_annotations(instance))
+        return _Inside(told, (*self.paths, instance.path) if instance.path else self.paths)
+
+
+def wishes(spec: Spec, values: Mapping[str, Any], file: str) -> Wishes:
+    """Return the wishes for values and components. The TOML's `values` come after what the spec says.
+
+    Raises UnityLinkError for a key that there is not, and for a name in `values` that nothing has.
     """
-    found: dict[str, Wish] = {}
-    patterns = [(key, _pattern(key), said) for key, said in values.items()]
-    used: set[str] = set()
-    names: set[str] = set()
+    found, noted = Wishes(), _Noted(values, file)
     for root in spec.roots:
-        for element, noted, above in _of_spec(root, Wish(), ()):
-            wish = noted
-            names.update((element.path, *above))
-            for key, pattern, said in patterns:
-                own = pattern.fullmatch(element.path) is not None
-                if own or any(pattern.fullmatch(part) for part in above):
-                    used.add(key)
-                    by = f'{file}, values."{key}"'
-                    if not isinstance(said, Mapping):
-                        raise UnityLinkError(f'{by}: it is {said!r}; write {{ joint = "…", … }}')
-                    wish = wish.with_further(said, by, own and "*" not in key)
-            if wish.unit and element.unit:
-                raise UnityLinkError(
-                    f"{element.path}: it has the unit {element.unit} in the spec; leave the unit "
-                    f"{wish.unit} out in {file}"
-                )
-            found[element.path] = wish
-    for key in values:
-        if key not in used:
-            near = ", ".join(get_close_matches(key, sorted(names), 3, 0.3)) or "none"
-            raise UnityLinkError(
-                f'{file}, values."{key}": the spec has no value or part of this name; nearest: {near}'
-            )
+        board_path = f"{root.name}." if len(spec.roots) > 1 else ""
+        for item, inside in _items(root, _Inside()):
+            if isinstance(item, Element):
+                found.values[item.path] = _of_value(item, inside, noted)
+            else:
+                found.parts += _of_component(item, inside, noted, board_path + item.path)
+    noted.check_used()
     return found
 
 
-def _of_spec(
-    instance: Instance, wish: Wish, above: tuple[str, ...]
-) -> Iterator[tuple[Element, Wish, tuple[str, ...]]]:
-    """Yield each value with its annotations, and the paths of the parts around it."""
-    wish = _annotated(instance, wish, own=False)
+def _items(instance: Instance, inside: _Inside) -> Iterator[tuple[Union[Element, Instance], _Inside]]:
+    """Yield each value and each component. The values of a component are its own."""
+    if instance.component is not None:
+        yield instance, inside
+        return
+    within = inside.within(instance)
     for member in instance.members:
         if isinstance(member, Element):
-            yield member, _annotated(member, wish, own=True), above
+            yield member, within
         elif isinstance(member, Instance):
-            yield from _of_spec(member, wish, (*above, member.path))
+            yield from _items(member, within)
 
 
-def _annotated(item: Element | Instance, wish: Wish, *, own: bool) -> Wish:
+def _of_value(element: Element, inside: _Inside, noted: _Noted) -> Wish:
+    wish = Wish()
+    for said, by in inside.told:
+        wish = wish.with_further(said, by, own=False)
+    for said, by in _annotations(element):
+        wish = wish.with_further(said, by, own=True)
+    for told, by, exact in noted.about(element.path, inside.paths):
+        if not isinstance(told, Mapping):
+            raise UnityLinkError(f'{by}: it is {told!r}; write {{ joint = "…", … }}')
+        wish = wish.with_further(told, by, exact)
+    if wish.unit and element.unit:
+        raise UnityLinkError(
+            f"{element.path}: it has the unit {element.unit} in the spec; leave the unit {wish.unit} out"
+        )
+    return wish
+
+
+def _of_component(instance: Instance, inside: _Inside, noted: _Noted, path: str) -> list[PartWish]:
+    around = inside.paths[-1] if inside.paths else ""
+    texts = [instance.path, instance.name, instance.display, around, around.rpartition(".")[2]]
+    common = PartWish(path, instance, frozenset(plain(text) for text in texts if text))
+    for said, by in inside.told:
+        check_said(said, by)
+        common = common.with_further(said, by, own=False)
+    own = list(_annotations(instance))
+    for said, by in own:
+        check_said(said, by)
+    found = [common.with_further(said, by, own=True) for said, by in own] or [common]
+    for told, by, exact in noted.about(instance.path, inside.paths):
+        several = told if isinstance(told, list) else [told]
+        for said in several:
+            if not isinstance(said, Mapping):
+                raise UnityLinkError(f'{by}: it is {told!r}; write {{ joint = "…", … }}')
+            check_said(said, by)
+        if isinstance(told, list):  # a table for each channel
+            found = [common.with_further(said, by, exact) for said in several]
+        else:
+            found = [one.with_further(told, by, exact) for one in found]
+    return found
+
+
+class _Noted:
+    """The table `values` of the TOML."""
+
+    def __init__(self, values: Mapping[str, Any], file: str) -> None:
+        self._file = file
+        self._patterns = [(key, _pattern(key), told) for key, told in values.items()]
+        self._used: set[str] = set()
+        self._names: set[str] = set()
+
+    def about(self, path: str, above: tuple[str, ...]) -> Iterator[tuple[Any, str, bool]]:
+        """Yield what is said about it, by whom, and whether that names it alone."""
+        self._names.update((path, *above))
+        for key, pattern, told in self._patterns:
+            own = pattern.fullmatch(path) is not None
+            if own or any(pattern.fullmatch(part) for part in above):
+                self._used.add(key)
+                yield told, f'{self._file}, values."{key}"', own and "*" not in key
+
+    def check_used(self) -> None:
+        """Raise UnityLinkError for a key that is the name of nothing."""
+        for key, _, _ in self._patterns:
+            if key not in self._used:
+                near = ", ".join(get_close_matches(key, sorted(self._names), 3, 0.3)) or "none"
+                raise UnityLinkError(
+                    f'{self._file}, values."{key}": the spec has no value or part of this name; '
+                    f"nearest: {near}"
+                )
+
+
+def _annotations(item: Union[Element, Instance]) -> Iterator[Told]:
     for annotation in item.annotations:
         if annotation.name == ANNOTATION:
             by = f"@{ANNOTATION} of {item.path or item.name}"
             if annotation.values:
+                keys = KEYS if isinstance(item, Element) else PART_KEYS
                 raise UnityLinkError(
-                    f"{by}: {annotation.values[0]!r} has no key; there are {', '.join(KEYS)}"
+                    f"{by}: {annotation.values[0]!r} has no key; there are {', '.join(keys)}"
                 )
-            wish = wish.with_further(dict(annotation.options), by, own)
-    return wish
+            yield dict(annotation.options), by
 
 
 def _pattern(key: str) -> re.Pattern[str]:
     """Return a pattern for paths, in which `*` stands for any text."""
     return re.compile(".*".join(re.escape(text) for text in key.split("*")))
-
-
-def _check(said: Mapping[str, Any], by: str) -> None:
-    for key, value in said.items():
-        if key not in KEYS:
-            near = ", ".join(get_close_matches(key, KEYS, 1, 0.3)) or ", ".join(KEYS)
-            raise UnityLinkError(f"{by}: there is no key {key!r}; nearest: {near}")
-        if key in (*PLACES, "unit"):
-            if not isinstance(value, str) or not value:
-                raise UnityLinkError(f"{by}: {key} is {value!r}; it must be a text")
-        elif isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise UnityLinkError(f"{by}: {key} is {value!r}; it must be a number")
-    if "sensor" in said and ("joint" in said or "actuator" in said):
-        raise UnityLinkError(f"{by}: it names a sensor and something else; name one")
-    if said.get("sign", 1) not in (1, -1):
-        raise UnityLinkError(f"{by}: sign is {said['sign']}; it must be 1 or -1")
-    if said.get("scale", 1) == 0:
-        raise UnityLinkError(f"{by}: scale is 0; it must be what one count of the value is")
-    if "unit" in said and unit(said["unit"]) is None:
-        raise UnityLinkError(f"{by}: there is no unit {said['unit']!r}; some are deg, rad/s, mm, N m")
