@@ -6,19 +6,23 @@ The programs of docs/zenoh.md run on it, and the page of fleets by itself.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
 import socket
 import subprocess
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from unitylink.cli import main
 from unitylink.fleet.look import look_at
 from unitylink.fleet.reader import read_fleet
+from unitylink.recording.formats import samples
 from unitylink.zenoh.session import ROUTER
 
 from .conftest import PATIENCE_S, ROOT, SCARA, UNITYLINK
@@ -88,6 +92,12 @@ def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.Ca
             exec(first, {})
             exec(stranger, {})
             assert re.fullmatch(r"-?\d+\n\(-?\d+,\)\n", capsys.readouterr().out)
+            recording = str(file.with_name("lab.mcap"))
+            assert main(["fleet", "record", str(file), "--out", recording, "--duration", "1", "--json"]) == 0
+            told_of = json.loads(capsys.readouterr().out)
+            assert told_of["lost"] == 0 and min(told_of["robots"].values()) > 20
+            times = [sample.time_s for sample in samples(recording)]
+            assert times == sorted(times) and abs(times[-1] - time.time()) < 10
             running.send_signal(signal.SIGTERM)
             rest = "".join(lines)
         finally:

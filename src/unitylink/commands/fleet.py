@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import click
 
+from .fleet_record import record
 from .fleet_run import run
 from .fleet_status import check, status
 
@@ -33,9 +34,10 @@ def command() -> None:
       unitylink fleet fleet.toml
       unitylink fleet status fleet.toml
       unitylink fleet check fleet.toml
+      unitylink fleet record fleet.toml --duration 60
       unitylink watch zenoh:lab/arm1
     """
 
 
-for _action in (run, status, check):
+for _action in (run, status, check, record):
     command.add_command(_action)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _GATHER_S = 0.02  # samples within this time are written together, which halves the cost
 _HOLD_S = 1.0  # samples are held back for so long, so that the file has them in the order of their times
-_NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
+NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
 _SHOW_S = 0.5  # s between two updates of the line
 _FLUSH_S = 0.5  # s between two writes; a program that is killed loses at most so much
 
@@ -118,7 +118,7 @@ def command(
         failed: LinkError | None = None
         sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
         # Other types are written as their numbers.
-        texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
+        texts = {item.name: item.quantity for item in items if item.quantity.type.kind in NOT_PLAIN}
         publishes = {item.name: item.element.publish for item in items if item.element is not None}
         topics: dict[tuple[str, ...], str] = {}  # filled in when the sets of samples are known
         names_of = tuple(i.name for i in items)

@@ -86,6 +86,9 @@ def _run(main: Main, arguments: list[str], folder: str, told: Connection, alive:
     told.close()
     with open(os.devnull, "w", encoding="utf-8") as nothing:
         os.dup2(nothing.fileno(), 1)
+    # New objects: those of the process that was forked may believe that they write to a file.
+    sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", buffering=1, closefd=False)  # noqa: SIM115
     threading.Thread(target=_end_with, args=(alive,), daemon=True).start()
     code = main(arguments)
     sys.stderr.flush()
