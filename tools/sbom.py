@@ -2,6 +2,7 @@
 """Write the bill of materials in CycloneDX 1.6 (JSON): what the library is made with, and what it needs.
 
     python tools/sbom.py > build/sbom.cdx.json
+    python tools/sbom.py unitylink-0.1.0-cp311-cp311-linux_x86_64.whl    (puts it into the wheel)
 
 Packages from PyPI are read from tools/locks, with the versions and hashes that are installed. Packages from
 npm are read from web/package-lock.json. They make the dashboard's page, or are a part of it. Packages from
@@ -190,6 +191,25 @@ def _time() -> str:
     return datetime.fromtimestamp(int(epoch), timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
+def of_wheel(whole: dict[str, Any]) -> dict[str, Any]:
+    """Return the part of a bill that concerns who installs a wheel: not what only builds and tests it."""
+    components = [one for one in whole["components"] if one["scope"] != "excluded"]
+    return {**whole, "components": components}
+
+
+def put_into(wheel: Path) -> None:
+    """Put the bill into a wheel, where PEP 770 looks for it."""
+    from auditwheel.wheeltools import InWheel
+
+    text = json.dumps(of_wheel(bill()), indent=1) + "\n"
+    with InWheel(wheel, wheel) as folder:
+        (about,) = Path(folder).glob("*.dist-info")
+        (about / "sboms").mkdir(exist_ok=True)
+        (about / "sboms" / "unitylink.cdx.json").write_text(text, encoding="utf-8")
+
+
 if __name__ == "__main__":
-    json.dump(bill(), sys.stdout, indent=1)
-    print()
+    if len(sys.argv) > 1:
+        put_into(Path(sys.argv[1]))
+    else:
+        print(json.dumps(bill(), indent=1))

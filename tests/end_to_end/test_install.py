@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,7 @@ from .conftest import ROOT, UNITYLINK
 
 BIN = Path(sys.executable).parent
 FIRST_HOUR = ROOT / "docs" / "first-hour.md"
+WHEEL_BYTES_MOST = 4_000_000
 PATIENCE_S = 600  # for a build on a loaded machine
 
 
@@ -98,6 +101,21 @@ class TestWheel:
         assert "share/examples/scara/run.py" in listed
         assert "examples/c_reader/" not in listed and "examples/ros/" not in listed
         assert "share/tools/wireshark/unitylink.lua" in listed
+
+    def test_it_is_small_and_has_its_bill_of_materials(self, wheels: Path) -> None:
+        (wheel,) = wheels.glob("*.whl")
+        assert wheel.stat().st_size < WHEEL_BYTES_MOST
+        with zipfile.ZipFile(wheel) as opened:
+            (name,) = (one for one in opened.namelist() if one.endswith("sboms/unitylink.cdx.json"))
+            bill = json.loads(opened.read(name))
+        assert {"required", "optional"} == {one["scope"] for one in bill["components"]}
+        assert bill["metadata"]["component"]["name"] == "unitylink"
+
+    def test_two_builds_are_equal_byte_by_byte(self, wheels: Path, tmp_path: Path) -> None:
+        call(ROOT / "tools" / "wheel.sh", tmp_path, cwd=ROOT)
+        assert {one.name for one in wheels.iterdir()} == {one.name for one in tmp_path.iterdir()}
+        for one in tmp_path.iterdir():
+            assert one.read_bytes() == (wheels / one.name).read_bytes(), one.name
 
     def test_its_metadata_name_its_owner_and_its_purpose(self, fresh: Path) -> None:
         (metadata,) = fresh.glob("unitylink-*.dist-info/METADATA")
