@@ -14,10 +14,9 @@
 #include <semaphore.h>
 #include <time.h>
 
+#include <cstdio>
 #include <cstdlib>
-#include <iostream>
-#include <map>
-#include <sstream>
+#include <cstring>
 
 #include "ros2_control.cpp"
 
@@ -66,30 +65,30 @@ class Manager {
     hardware_interface::HardwareComponentInterfaceParams params{};
     params.hardware_info = info;
     if (hardware_.on_init(params) != CallbackReturn::SUCCESS) return false;
-    for (const auto& one : hardware_.on_export_state_interfaces()) states_[one->get_name()] = one;
-    for (const auto& one : hardware_.on_export_command_interfaces()) commands_[one->get_name()] = one;
+    for (const auto& one : hardware_.on_export_state_interfaces()) states_.emplace_back(one->get_name(), one);
+    for (const auto& one : hardware_.on_export_command_interfaces()) commands_.emplace_back(one->get_name(), one);
 #else
     if (hardware_.on_init(info) != CallbackReturn::SUCCESS) return false;
-    for (auto& one : hardware_.export_state_interfaces()) states_.emplace(one.get_name(), std::move(one));
-    for (auto& one : hardware_.export_command_interfaces()) commands_.emplace(one.get_name(), std::move(one));
+    for (auto& one : hardware_.export_state_interfaces()) states_.emplace_back(one.get_name(), std::move(one));
+    for (auto& one : hardware_.export_command_interfaces()) commands_.emplace_back(one.get_name(), std::move(one));
 #endif
     return true;
   }
 
   void order(const std::string& line) {
-    std::istringstream words(line);
-    std::string order, name;
-    words >> order;
+    const std::string order = line.substr(0, line.find(' '));
+    const std::string rest = order.size() < line.size() ? line.substr(order.size() + 1) : "";
     if (order == "configure") move("unconfigured", hardware_.on_configure({}), "inactive");
     if (order == "activate") move("inactive", hardware_.on_activate({}), "active");
     if (order == "deactivate") move("active", hardware_.on_deactivate({}), "inactive");
     if (order == "cleanup") move("inactive", hardware_.on_cleanup({}), "unconfigured");
     if (order == "shutdown") move(state_, hardware_.on_shutdown({}), "finalized");
-    if (order == "cycle") cycle(words);
-    if (order == "set") set(words);
-    if (order == "get" && words >> name) std::cout << number(name);
+    if (order == "cycle") cycle(std::strtoul(rest.c_str(), nullptr, 10));
+    if (order == "set") set(rest.substr(0, rest.find(' ')), std::strtod(rest.c_str() + rest.find(' '), nullptr));
+    if (order == "get") std::printf("%.15g", number(rest));
     if (order == "names") names();
-    std::cout << std::endl;
+    std::printf("\n");
+    std::fflush(stdout);
   }
 
  private:
@@ -97,13 +96,12 @@ class Manager {
     if (done == CallbackReturn::SUCCESS) state_ = to;
     if (done == CallbackReturn::FAILURE) state_ = from;
     if (done == CallbackReturn::ERROR) error();
-    std::cout << state_;
+    std::printf("%s", state_.c_str());
   }
   void error() { state_ = hardware_.on_error({}) == CallbackReturn::SUCCESS ? "unconfigured" : "finalized"; }
 
-  void cycle(std::istringstream& words) {
-    unsigned long count = 0, failed = 0, thrown = 0;
-    words >> count;
+  void cycle(unsigned long count) {
+    unsigned long failed = 0, thrown = 0;
     allocations = waits = 0;
     for (; count > 0 && (state_ == "active" || state_ == "inactive"); --count) {
       auto came = return_type::ERROR, went = return_type::ERROR;
@@ -117,47 +115,46 @@ class Manager {
       watched = false;
       if (came != return_type::OK || went != return_type::OK) ++failed, error();
     }
-    std::cout << "allocations " << allocations << " waits " << waits << " thrown " << thrown << " failed " << failed
-              << " " << state_;
+    std::printf("allocations %lu waits %lu thrown %lu failed %lu %s", allocations, waits, thrown, failed,
+                state_.c_str());
+  }
+
+  template <typename Handles>
+  static auto& find(Handles& handles, const std::string& name) {
+    for (auto& one : handles)
+      if (one.first == name) return one.second;
+    std::fprintf(stderr, "no interface %s\n", name.c_str());
+    std::exit(5);
   }
 
 #ifdef UNITYLINK_FRAMEWORK_KEEPS_NUMBERS
   double number(const std::string& name) {
-    return states_.count(name) != 0 ? states_[name]->as_double() : commands_[name]->as_double();
+    return name[0] == '>' ? find(commands_, name.substr(1))->as_double() : find(states_, name)->as_double();
   }
-  void set(std::istringstream& words) {
-    std::string name;
-    double number = 0.0;
-    words >> name >> number;
-    const auto& handle = commands_[name];
-    std::cout << PACKAGE::typed(PACKAGE::kind_of(handle->get_data_type().to_string()), [&](auto type) {
-      return handle->set_value(static_cast<decltype(type)>(number), true);
-    });
+  void set(const std::string& name, double number) {
+    const auto& handle = find(commands_, name);
+    PACKAGE::typed(PACKAGE::kind_of(handle->get_data_type().to_string()),
+                   [&](auto type) { return handle->set_value(static_cast<decltype(type)>(number), true); });
   }
   void names() {
-    for (const auto& [name, one] : states_) std::cout << name << ":" << one->get_data_type().to_string() << " ";
-    for (const auto& [name, one] : commands_)
-      std::cout << ">" << name << ":" << one->get_data_type().to_string() << " ";
+    for (const auto& one : states_)
+      std::printf("%s:%s ", one.first.c_str(), one.second->get_data_type().to_string().c_str());
+    for (const auto& one : commands_)
+      std::printf(">%s:%s ", one.first.c_str(), one.second->get_data_type().to_string().c_str());
   }
-  std::map<std::string, hardware_interface::StateInterface::ConstSharedPtr> states_;
-  std::map<std::string, hardware_interface::CommandInterface::SharedPtr> commands_;
+  std::vector<std::pair<std::string, hardware_interface::StateInterface::ConstSharedPtr>> states_;
+  std::vector<std::pair<std::string, hardware_interface::CommandInterface::SharedPtr>> commands_;
 #else
   double number(const std::string& name) {
-    return states_.count(name) != 0 ? states_.at(name).get_value() : commands_.at(name).get_value();
+    return name[0] == '>' ? find(commands_, name.substr(1)).get_value() : find(states_, name).get_value();
   }
-  void set(std::istringstream& words) {
-    std::string name;
-    double number = 0.0;
-    words >> name >> number;
-    commands_.at(name).set_value(number);
-    std::cout << 1;
-  }
+  void set(const std::string& name, double number) { find(commands_, name).set_value(number); }
   void names() {
-    for (const auto& one : states_) std::cout << one.first << ":double ";
-    for (const auto& one : commands_) std::cout << ">" << one.first << ":double ";
+    for (const auto& one : states_) std::printf("%s:double ", one.first.c_str());
+    for (const auto& one : commands_) std::printf(">%s:double ", one.first.c_str());
   }
-  std::map<std::string, hardware_interface::StateInterface> states_;
-  std::map<std::string, hardware_interface::CommandInterface> commands_;
+  std::vector<std::pair<std::string, hardware_interface::StateInterface>> states_;
+  std::vector<std::pair<std::string, hardware_interface::CommandInterface>> commands_;
 #endif
   PACKAGE::RobotSystem hardware_;
   std::string state_ = "unconfigured";
@@ -198,10 +195,9 @@ int main(int argc, char** argv) {
     else
       list(info, text);
   }
-  std::cout.precision(15);
   Manager manager;
   if (!manager.init(info)) return 2;
-  std::string line;
-  while (std::getline(std::cin, line)) manager.order(line);
+  char line[200];
+  while (std::fgets(line, sizeof line, stdin) != nullptr) manager.order(std::string(line, std::strcspn(line, "\n")));
   return 0;
 }

@@ -171,15 +171,17 @@ def test_the_device_paces_the_loop_and_a_slow_bus_is_an_error(programs: dict[str
 
 def test_a_loop_that_hangs_does_not_go_on_as_if_nothing_was(programs: dict[str, Path]) -> None:
     """The device was made safe meanwhile, so the controllers' commands are not what it has."""
-    with Board(SPEC, plant=Still(), endpoint="tcp") as board:
-        with running(programs["humble"], board.url) as manager:
-            assert [manager.ask(order) for order in ("configure", "activate")] == ["inactive", "active"]
-            manager.ask("set j_0/position 0.5")
-            assert manager.ask("cycle 10") == f"{CLEAN} active"
-            until(lambda: board.registers[0x12] == 286)
-            until(lambda: board.registers[0x12] == 90)  # nobody calls read() for a second
-            assert "failed 1 unconfigured" in manager.ask("cycle 10")
-            assert board.registers[0x12] == 90
+    with (
+        Board(SPEC, plant=Still(), endpoint="tcp") as board,
+        running(programs["humble"], board.url) as manager,
+    ):
+        assert [manager.ask(order) for order in ("configure", "activate")] == ["inactive", "active"]
+        manager.ask("set j_0/position 0.5")
+        assert manager.ask("cycle 10") == f"{CLEAN} active"
+        until(lambda: board.registers[0x12] == 286)
+        until(lambda: board.registers[0x12] == 90)  # nobody calls read() for a second
+        assert "failed 1 unconfigured" in manager.ask("cycle 10")
+        assert board.registers[0x12] == 90
 
 
 @pytest.mark.parametrize(
