@@ -8,6 +8,7 @@ import click
 from .fleet_record import record
 from .fleet_run import run
 from .fleet_status import check, status
+from .fleet_update import update
 
 
 class Actions(click.Group):
@@ -34,10 +35,11 @@ def command() -> None:
       unitylink fleet fleet.toml
       unitylink fleet status fleet.toml
       unitylink fleet check fleet.toml
+      unitylink fleet update fleet.toml
       unitylink fleet record fleet.toml --duration 60
       unitylink watch zenoh:lab/arm1
     """
 
 
-for _action in (run, status, check, record):
+for _action in (run, status, check, record, update):
     command.add_command(_action)

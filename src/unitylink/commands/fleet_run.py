@@ -5,9 +5,15 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from unitylink.fleet.supervisor import Supervisor
 
 fleet_argument = click.argument("file", metavar="FLEET.toml")
 
@@ -30,6 +36,7 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
       unitylink fleet fleet.toml
       unitylink fleet run fleet.toml --check-config
     """
+    from unitylink.fleet.control import Control
     from unitylink.fleet.reader import read_fleet
     from unitylink.fleet.specs import SpecStore
     from unitylink.fleet.supervisor import Supervisor
@@ -48,6 +55,7 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
     news = News()
     with stopped_by_signals() as stop, ExitStack() as stack:
         supervisor = stack.enter_context(Supervisor(fleet, news.say, start_bridge))
+        stack.callback(Control(fleet.file, partial(_update, supervisor)).close)
         where = fleet.network()
         click.echo(
             f"{len(fleet.robots)} robots of {fleet.name} on Zenoh, at {where.connect or where.config}; "
@@ -60,6 +68,16 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
             timer.start()
         show(supervisor, news, stop)
         news.say(fleet.name, "ends its bridges")
+
+
+def _update(supervisor: Supervisor, wish: dict[str, Any], say: Callable[[str, str], None]) -> bool:
+    """Do what `unitylink fleet update` asks for."""
+    from unitylink.fleet.reader import read_fleet
+    from unitylink.fleet.rollout import Rollout
+
+    fleet = read_fleet(supervisor.fleet.file)
+    only = [str(name) for name in wish.get("update", ())]
+    return Rollout(supervisor, say).run(fleet, only, force=wish.get("force") is True)
 
 
 def _check_router(locator: str, *, anyone: bool) -> None:

@@ -54,6 +54,7 @@ class Supervisor:
             stack.callback(self._call.close)
             self.robots = {one.name: one for one in fleet.robots}
             self._up = dict.fromkeys(self.robots, False)
+            self._words = {one.name: self.words(one) for one in fleet.robots}
             self._processes = {one.name: self._process(one) for one in fleet.robots}
             self._thread = threading.Thread(target=self._govern, name="fleet", daemon=True)
             self._thread.start()
@@ -99,12 +100,33 @@ class Supervisor:
     # ---- processes
 
     def _process(self, robot: FleetRobot) -> BridgeProcess:
-        words = self._words(robot)
+        words = self._words[robot.name]
         return BridgeProcess(
             lambda: self._start(words, self.fleet.folder), lambda text: self._say(robot.name, text)
         )
 
-    def _words(self, robot: FleetRobot) -> list[str]:
+    def differs(self, robot: FleetRobot) -> bool:
+        """Whether the bridge of a robot would be started with other words now. Raises FleetError."""
+        return self.words(robot) != self._words[robot.name]
+
+    def wanted_hash(self, robot: FleetRobot) -> str:
+        """Return the hash of the spec that the file of a robot has now. Raises FleetError."""
+        return self._specs.hash(robot)
+
+    def change(self, robot: FleetRobot) -> list[str]:
+        """Start the bridge of a robot anew, as described. Return the words that it had. Raises FleetError."""
+        old = self._words[robot.name]
+        self.change_back(robot, self.words(robot))
+        return old
+
+    def change_back(self, robot: FleetRobot, words: list[str]) -> None:
+        """Start the bridge of a robot anew, with these words."""
+        with self._lock:
+            self.robots[robot.name], self._words[robot.name] = robot, words
+            self._processes[robot.name].replace(lambda: self._start(words, self.fleet.folder))
+
+    def words(self, robot: FleetRobot) -> list[str]:
+        """Return the words that start the bridge of a robot as described now. Raises FleetError."""
         fleet = self.fleet
         link, spec = self._specs.taken(robot)
         words = ["bridge", "zenoh", link, spec, "--key", robot.key]
