@@ -56,20 +56,19 @@ entity frame_application_formal is
     sees_missing    : in std_ulogic;
     sees_not_new    : in std_ulogic;
     sees_failed     : in std_ulogic;
+    if_bytes, if_bits, if_value, if_above_low, if_above_high, if_place, if_half, if_state : in std_ulogic;
     marks           : in byte_t;
     choice          : in entry_t;
     id              : in std_ulogic_vector(15 downto 0);
     word_index      : in unsigned(7 downto 0);
     remember        : in std_ulogic;
+    found           : in word32_t;                -- `data` of the design
+    over, failed, silent_bus : in std_ulogic;     -- its access
     status_out      : in std_ulogic_vector(3 downto 0);
     -- Signals of parts that are left out. They have any value that the assumptions allow.
     word            : in word32_t;
     fresh           : in std_ulogic;              -- new_id
     repeated        : in std_ulogic;
-    unordered       : in std_ulogic;
-    not_kept        : in std_ulogic;
-    kept_status     : in std_ulogic_vector(3 downto 0);
-    kept_count      : in unsigned(4 downto 0);
     epoch_now       : in crc16_t
   );
 end entity;
@@ -93,7 +92,6 @@ architecture properties of frame_application_formal is
   subtype constants_t is natural range word_zero to word_two;
 
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
-  signal started : std_ulogic := '0';  -- and so is the start of the program after it
 
   signal request : frame_request_t;
   signal stands  : std_ulogic := '0';
@@ -105,7 +103,7 @@ architecture properties of frame_application_formal is
   signal in_session : std_ulogic;
   signal bii     : bii_request_t;
 
-  signal verdict_before : std_ulogic_vector(12 downto 0) := (others => '0');
+  signal verdict_before : std_ulogic_vector(1 downto 0) := (others => '0');
   signal begins_before, loads_before : std_ulogic := '0';
   signal looked_at, looked_at_next : natural range 0 to 255 := 0;
 
@@ -128,12 +126,12 @@ architecture properties of frame_application_formal is
   signal judged_id : std_ulogic_vector(15 downto 0) := (others => '0');
   signal other, other_before : std_ulogic := '1';   -- the cache was busy with something else one and two clocks before
   signal id_before, id_then : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal forgot    : std_ulogic := '0';             -- the work has made the cache forget a place
   signal after_reset : std_ulogic := '1';           -- the clock before was the last one of a reset
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
-  signal in_place  : std_ulogic;                    -- see frame_places
   signal accessed  : std_ulogic;                    -- a request with an id has ended, and opened the bus
   signal told_truly : std_ulogic;                   -- what was remembered is what was said and what the bus said
-  signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
+  signal jump_kept, calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
 
   -- GHDL 2.0 accepts only a limited number of terms in PSL, so the others are VHDL.
   function holds(what : boolean) return boolean is
@@ -157,7 +155,8 @@ begin
   fetched    <= program(to_integer(position_ahead));
   executed   <= program(to_integer(position_now)) when idle = '0' else nothing_done;
   in_session <= nand epoch(15 downto 8);
-  at_rest    <= begun and started and not busy;
+  at_rest    <= begun and not busy;
+  jump_kept  <= if_bytes or if_bits or if_value or if_above_low or if_above_high or if_place or if_half or if_state;
   calls      <= steps and instruction(do_call);
   returns    <= steps and instruction(do_return);
   judges     <= finishes and to_bit(unsigned(instruction(condition_f)) = if_not_new);
@@ -207,7 +206,7 @@ begin
     if rising_edge(clk) then
       looked_at_next <= to_integer(word_index);
       looked_at      <= looked_at_next;
-      verdict_before <= fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count);
+      verdict_before <= fresh & repeated;
       begins_before  <= begins;
       loads_before   <= reset or (finishes and to_bit(instruction(special_f) = load_epoch));
     end if;
@@ -226,9 +225,6 @@ begin
       if steps = '1' then
         position_now <= position_ahead;
         idle         <= jump or instruction(do_begin);
-      end if;
-      if busy = '0' then
-        started <= '1';
       end if;
 
       other_before <= other;
@@ -277,6 +273,7 @@ begin
           memories <= memories + 1;
         end if;
       end if;
+      forgot  <= forgot or (finishes and to_bit(instruction(special_f) = forget_place));
       routine <= (routine or calls) and not returns;
 
       if begins = '1' then
@@ -292,11 +289,11 @@ begin
         trouble  <= 0;
         memories <= 0;
         judged   <= '0';
+        forgot   <= '0';
         judgements <= 0;
       end if;
       if reset = '1' then
         idle          <= '1';
-        started       <= '0';
         frame         <= '0';
         given         <= '0';
         begun_payload <= '0';
@@ -306,6 +303,7 @@ begin
         accesses      <= 0;
         memories      <= 0;
         judged        <= '0';
+        forgot        <= '0';
         judgements    <= 0;
       end if;
     end if;
@@ -314,11 +312,17 @@ begin
   places : entity work.frame_places
     generic map (program => program)
     port map (
-      place_now => position_now, place_ahead => position_ahead, caller => caller, idle => idle, busy => busy,
-      first_clock => first_clock, jump => jump, begins => begins, turns => turns, sees_missing => sees_missing,
-      sees_not_new => sees_not_new, sees_failed => sees_failed, marks => marks, stands => stands,
-      waiting => request.entry, chosen => entry_now, entry => entry, frame => frame, routine => routine,
-      bus_open => bii.valid, accesses => accesses, memories => memories, judgements => judgements, holds => in_place);
+      clk => clk, begun => begun, place_now => position_now, place_ahead => position_ahead, caller => caller,
+      idle => idle, busy => busy, first_clock => first_clock, jump => jump, begins => begins, turns => turns,
+      sees_missing => sees_missing, sees_not_new => sees_not_new, sees_failed => sees_failed, jump_kept => jump_kept,
+      marks => marks, stands => stands, waiting => request.entry, had_id => had_id, length => length, taken => taken,
+      chosen => entry_now, entry => entry, frame => frame, routine => routine, dones => dones,
+      in_session => in_session, bus_open => bii.valid, over => over, failed => failed, silent_bus => silent_bus,
+      accesses => accesses, trouble => trouble, data => found, word_index => word_index, looked_at => looked_at,
+      looked_at_next => looked_at_next, kinds => kinds, kind => kind, given => given, begun_payload => begun_payload,
+      reply_idle => reply_idle, fresh => fresh, repeated => repeated, memories => memories, judgements => judgements,
+      judged => judged, judged_id => judged_id, id => id, id_before => id_before, id_then => id_then,
+      forgot => forgot, other => other, other_before => other_before);
 
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
@@ -327,10 +331,10 @@ begin
   constants_are : assume always holds(looked_at < constants_t'low or
                                       looked_at > constants_t'high or word = content(looked_at));
 
-  -- The cache gives the same verdict on an id while it is in work. The verdict is never both new and repeated.
+  -- The cache gives the same verdict on an id while it is in work. The verdict is never both new and repeated. The
+  -- proof of reply_cache asserts this until something is remembered or forgotten. judged_in_time: this is later.
   verdict_stands : assume always holds((fresh and repeated) = '0' and (begins_before = '1' or begun = '0' or
-                   verdict_before = fresh & repeated &
-                                    unordered & not_kept & kept_status & std_ulogic_vector(kept_count)));
+                   verdict_before = fresh & repeated));
 
   -- An epoch stays the same until another one is loaded. A session may be open at power-up.
   epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
@@ -392,23 +396,25 @@ begin
   -- The work in hand does not end before its access.
   awaited : assert always begun = '1' and busy = '0' -> bii.valid = '0';
 
-  -- The verdict on an id is used only after the cache has looked at this id.
+  -- The verdict on an id is used only after the cache has looked at this id, and before the work changes the cache.
   judged_in_time : assert always begun = '1' and judges = '1' ->
-                   id = id_before and id = id_then and (other or other_before) = '0' and instruction(do_before) = '0';
+                   id = id_before and id = id_then and (other or other_before or forgot) = '0' and
+                   instruction(do_before) = '0' and memories = 0;
+
+  -- The work has one id: none is taken after the cache was asked.
+  id_stands : assert always begun = '1' and to_bit(instruction(take_f) = take_id) = '1' -> judgements = 0;
 
   -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
 
   -- The program does not loop: no id is judged more than twice.
-  judged_twice_most : assert always begun = '1' -> in_place = '1' and judgements <= 2;
+  judged_twice_most : assert always begun = '1' -> judgements <= 2;
 
   -- An access that succeeded is remembered with the status of the bus, which is also in its answer.
-  executed_is_remembered : assert always begun = '1' ->
-    in_place = '1' and holds(accessed = '0' or trouble /= 0 or told_truly = '1');
+  executed_is_remembered : assert always begun = '1' and accessed = '1' and trouble = 0 -> told_truly = '1';
 
   -- An access that the bus refused or did not answer is remembered with that status, too.
-  failure_is_remembered : assert always begun = '1' ->
-    in_place = '1' and holds(accessed = '0' or trouble = 0 or told_truly = '1');
+  failure_is_remembered : assert always begun = '1' and accessed = '1' and trouble /= 0 -> told_truly = '1';
 
   -- A READ or WRITE that is remembered was executed.
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and

@@ -1,8 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- The invariant of the framed application for its proof: the program is where it can be, and what frame_facts_pkg says
--- of that place is true. `holds` says so. The proof of frame_application asserts it together with each property that
--- it proves for ever, so the solver need not find it.
+-- of that place is true. ABC shows by induction that it stays so, and that the properties of frame_application follow.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,102 +20,303 @@ entity frame_places is
     program : frame_program_t  -- 256 instructions
   );
   port (
+    clk, begun      : in std_ulogic;
     -- The sequencer: which instruction is executed, unless `idle`, and which one was fetched.
     place_now, place_ahead, caller : in unsigned(7 downto 0);
     idle, busy, first_clock, jump, begins : in std_ulogic;
     turns           : in unsigned(2 downto 0);
-    -- The judge: what it looks at in this clock.
+    -- The judge: what it sees in this clock.
     sees_missing, sees_not_new, sees_failed : in std_ulogic;
+    jump_kept       : in std_ulogic;             -- it jumps because of what was judged before
     marks           : in byte_t;
     -- The frame that waits, and the work in hand.
     stands          : in std_ulogic;
     waiting         : in entry_t;                -- entry of the frame
+    had_id          : in std_ulogic;
+    length, taken   : in unsigned(3 downto 0);
     chosen          : in entry_t;                -- what begins
     entry           : in natural range 0 to 31;  -- of the work
     frame, routine  : in std_ulogic;
-    bus_open        : in std_ulogic;
+    dones           : in natural range 0 to 2;
+    in_session      : in std_ulogic;
+    -- Its access.
+    bus_open, over, failed, silent_bus : in std_ulogic;
     accesses        : in natural range 0 to 2;
+    trouble         : in natural range 0 to 2;
+    data            : in word32_t;
+    word_index      : in unsigned(7 downto 0);
+    looked_at, looked_at_next : in natural range 0 to 255;
+    -- Its answer.
+    kinds           : in natural range 0 to 2;
+    kind            : in byte_t;
+    given, begun_payload, reply_idle : in std_ulogic;
+    -- Its id.
+    fresh, repeated : in std_ulogic;
     memories        : in natural range 0 to 2;
     judgements      : in natural range 0 to 3;
-    holds           : out std_ulogic
+    judged          : in std_ulogic;              -- the cache has called `judged_id` new
+    judged_id, id, id_before, id_then : in std_ulogic_vector(15 downto 0);
+    forgot          : in std_ulogic;              -- the cache has forgotten a place
+    other, other_before : in std_ulogic
   );
 end entity;
 
 architecture properties of frame_places is
 
-  constant table : facts_table_t := facts_of(program);
+  constant table   : facts_table_t   := facts_of(program);
+  constant effects : effects_table_t := effects_of(program);
+
+  signal now       : frame_instruction_t;
+  signal condition : natural range 0 to 31;
+  signal number    : natural range 0 to 255;
+  signal place     : unsigned(7 downto 0);  -- the one that is executed, or comes next
+  signal following : unsigned(7 downto 0);  -- what is fetched behind it, unless it jumps
+  signal marked    : std_ulogic;            -- mark_repeated is set
+  signal same_id   : std_ulogic;            -- the id is the one that was judged
+  signal starts    : std_ulogic;            -- nothing was executed since the reset
+  signal waits     : std_ulogic;            -- a request waits, which needs a session
+
+  signal registers_true, works_true, steps_true, rests_true : std_ulogic;
+  signal work_true, id_true, bus_true, status_true, answer_true : std_ulogic;  -- of the place
+  signal caller_true : std_ulogic;
 
 begin
 
-  know : process (all) is
-    variable now       : frame_instruction_t;
-    variable condition : natural range 0 to 31;
-    variable following : unsigned(7 downto 0);
-    variable repeated  : std_ulogic;
-    variable starts    : boolean;              -- nothing was executed since the reset
-    variable ok        : boolean;
+  default clock is rising_edge(clk);
 
-    impure function is_true(place : natural; here : std_ulogic) return boolean is
-      variable f : facts_t;
+  now       <= program(to_integer(place_now));
+  condition <= to_integer(unsigned(now(condition_f)));
+  number    <= to_integer(unsigned(now(number_f)));
+  place     <= place_ahead when idle = '1' else place_now;
+  marked    <= or (marks and byte_t(to_unsigned(mark_repeated, 8)));
+  starts    <= busy and idle and first_clock;
+  waits     <= stands and to_bit(unsigned(waiting) < 16);
+
+  follow : process (all) is
+  begin
+    following <= resize(unsigned(now(following_f)), 8);
+    if now(do_return) = '1' then
+      following <= caller;
+    elsif now(do_dispatch) = '1' then
+      following(3 downto 0) <= unsigned(waiting(3 downto 0));
+    end if;
+  end process;
+
+  -- The id is sent byte by byte, and rotates meanwhile.
+  compare : process (all) is
+  begin
+    same_id <= to_bit(id = judged_id);
+    if idle = '0' and now(source_f) = from_id and turns = 0 then
+      same_id <= to_bit(id(7 downto 0) & id(15 downto 8) = judged_id);
+    end if;
+  end process;
+
+  -- What is so at any time.
+  know_registers : process (all) is
+  begin
+    registers_true <= to_bit(
+      (marks and not byte_t(to_unsigned(mark_repeated, 8))) = x"00" and
+      (stands = '0' or (unsigned(waiting) < entry_trip and begins_work(to_integer(unsigned(waiting))))) and
+      (bus_open = '0' or over = '0') and
+      (accesses = 0 or (to_bit(trouble /= 0) = failed and to_bit(trouble = 2) = silent_bus)) and accesses < 2 and
+      trouble <= 2 and
+      (begun_payload = '0' or given = '1'));
+  end process;
+
+  know_works : process (all) is
+  begin
+    works_true <= '1';
+    if busy = '1' then
+      works_true <= to_bit(dones = 0 and memories = 0 and judgements <= 2 and
+                           (marked = '0' or (accesses = 0 and bus_open = '0')) and
+                           (frame = '0' or (stands = '1' and unsigned(waiting) = entry and
+                                            had_id = to_bit(length >= 2))));
+      if starts = '1' then
+        works_true <= to_bit(routine = '0' and judgements = 0 and accesses = 0 and memories = 0 and bus_open = '0' and
+                             dones = 0 and kinds = 0 and given = '0' and frame = '0' and forgot = '0' and
+                             (waits = '0' or in_session = '1'));
+      end if;
+    end if;
+  end process;
+
+  -- How an instruction is executed, and when it jumps.
+  know_steps : process (all) is
+    function only(seen : std_ulogic; so : boolean) return boolean is
     begin
-      f := table(place);
-      return (f(first) or repeated) = '1' and (f(repeats) or not repeated) = '1' and f(in_routine) = here and
-             judgements <= 2 and
-             (repeated = '1' or ((f(judged_once) = '1' or judgements < 1) and
-                                 (f(judged_twice) = '1' or judgements < 2))) and
-             (f(touched) = '1' or (accesses = 0 and bus_open = '0')) and (f(noted) = '1' or memories = 0) and
-             (f(strange) = '1' or (has_id(entry) and frame = '1' and stands = '1' and unsigned(waiting) = entry));
+      return (seen = '1') = so;
     end function;
 
-    impure function sees_only(seen : std_ulogic; what : natural) return boolean is
+    variable ok : boolean;
+  begin
+    ok := true;
+    if starts = '0' then
+      ok := only(sees_missing, idle = '0' and first_clock = '0' and condition = if_missing) and
+            only(sees_not_new, idle = '0' and first_clock = '0' and condition = if_not_new) and
+            only(sees_failed, idle = '0' and first_clock = '0' and (condition = if_failed or condition = if_over));
+      if idle = '1' then  -- it jumps, or there is no work
+        ok := ok and jump = '0' and turns = 0;
+      else
+        ok := ok and turns <= unsigned(now(times_f));
+        if first_clock = '1' or is_dead(condition) then
+          ok := ok and jump = '0';
+        elsif condition = if_missing or condition = if_not_new or condition = if_failed then
+          ok := ok and jump_kept = '0';
+        elsif condition = if_mark then
+          ok := ok and jump = (or (marks and now(number_f)));
+        elsif condition = if_duplicate then
+          ok := ok and jump = (repeated xor now(if_not));
+        elsif condition = if_busy then
+          ok := ok and (jump = '1' or reply_idle = '1');
+        end if;
+        if first_clock = '0' and now(do_begin) = '0' then
+          ok := ok and place_ahead = following;
+        end if;
+        if now(take_f) = take_id then
+          ok := ok and turns < 2 and (taken = 0 or (taken = 1 and turns = 0));
+        end if;
+        if now(do_rewind) = '1' and first_clock = '0' then
+          ok := ok and taken = 0;
+        end if;
+        if now(data_f) = data_word and now(special_f) = by_silence then
+          ok := ok and now(times_f) = "010" and (turns = 2 or looked_at_next = word_index) and
+                (turns /= 0 or looked_at = word_index);
+        end if;
+        if condition = if_not_new then
+          ok := ok and id = id_before and other = '0' and
+                (first_clock = '1' or (id = id_then and other_before = '0'));
+        end if;
+      end if;
+    end if;
+    steps_true <= to_bit(ok);
+  end process;
+
+  know_rests : process (all) is
+  begin
+    rests_true <= '1';
+    if busy = '0' then
+      rests_true <= to_bit(
+        idle = '1' and first_clock = '0' and routine = '0' and bus_open = '0' and
+        given = '0' and (waits = '0' or in_session = '1') and
+        (begins = '0' or
+         (marks = x"00" and taken = 0 and place_ahead = first_of_entries + to_integer(unsigned(chosen)) and
+          begins_work(to_integer(unsigned(chosen))) and
+          (unsigned(chosen) >= entry_trip or
+           (stands = '1' and unsigned(chosen) = place_of(to_integer(unsigned(waiting))))))));
+    end if;
+  end process;
+
+  -- What the table says of the place, and of the one behind the call.
+  know_places : process (all) is
+    variable with_id, opens, acts : boolean;
+    variable f : facts_t;
+    variable e : effects_t;
+
+    -- `so` may be, because of the bit, or is not so.
+    function only_if(may : std_ulogic; so : boolean) return boolean is
     begin
-      return seen = '0' or (idle = '0' and first_clock = '0' and condition = what);
+      return may = '1' or not so;
+    end function;
+
+    impure function work_is(f : facts_t; here : std_ulogic) return boolean is
+    begin
+      return f(in_routine) = here and
+             ((frame = '0' and f(work_none) = '1') or (frame = '1' and f(work_of(entry)) = '1')) and
+             only_if(f(is_new), with_id and fresh = '1') and only_if(f(is_repeated), with_id and repeated = '1') and
+             only_if(f(is_stale), with_id and (fresh or repeated) = '0') and
+             only_if(f(is_long), with_id and had_id = '1') and
+             only_if(f(taken_some), taken /= 0 and not (acts and now(take_f) /= take_nothing)) and
+             only_if(f(new_epoch), forgot = '1' or (waits = '1' and in_session = '0'));
+    end function;
+
+    impure function id_is(f : facts_t) return boolean is
+    begin
+      return only_if(f(first), marked = '0') and only_if(f(repeats), marked = '1') and
+             only_if(f(judged_once), marked = '0' and judgements = 1) and
+             only_if(f(judged_twice), marked = '0' and judgements = 2) and
+             only_if(f(unjudged), marked = '0' and (judged = '0' or same_id = '0'));
+    end function;
+
+    impure function bus_is(f : facts_t) return boolean is
+    begin
+      return (accesses = 0 or bus_open = '0') and
+             only_if(f(untouched), accesses = 0 and bus_open = '0') and only_if(f(on_bus), bus_open = '1') and
+             only_if(f(on_bus) or f(touched), accesses = 1) and
+             only_if(f(failing), accesses = 1 and trouble /= 0) and
+             only_if(f(succeeding), accesses = 1 and trouble = 0) and
+             only_if(f(unopened), opens and accesses = 0 and bus_open = '0');
+    end function;
+
+    impure function status_is(f : facts_t; still : effects_t) return boolean is
+    begin
+      return only_if(f(untold) or still(will_tell), with_id and accesses = 1 and
+                                                    unsigned(data(3 downto 0)) /= trouble) and
+             only_if(f(untrue), accesses = 1 and (still(will_say) = '1' or
+                                                  (kinds /= 0 and unsigned(kind(3 downto 0)) /= trouble)));
+    end function;
+
+    impure function answer_is(f : facts_t; still : effects_t) return boolean is
+    begin
+      return only_if(f(sending), reply_idle = '0' and not (acts and now(say_f) /= say_nothing)) and
+             only_if(f(unanswered) or still(will_say), with_id and kinds = 0) and
+             ((still(will_say) = '0' and kinds = 0 and given = '0' and f(unsaid) = '1') or
+              (still(will_say) = '0' and kinds = 1 and given = '1' and f(said) = '1') or
+              (still(will_say) = '0' and kinds = 1 and given = '0' and f(ended) = '1') or
+              (still(will_say) = '1' and kinds = 0 and given = '0' and f(said) = '1'));
     end function;
   begin
-    now       := program(to_integer(place_now));
-    condition := to_integer(unsigned(now(condition_f)));
-    repeated  := or (marks and byte_t(to_unsigned(mark_repeated, 8)));
-    starts    := busy = '1' and idle = '1' and first_clock = '1';
-
-    following := resize(unsigned(now(following_f)), 8);
-    if now(do_return) = '1' then
-      following := caller;
-    elsif now(do_dispatch) = '1' then
-      following(3 downto 0) := unsigned(waiting(3 downto 0));
-    end if;
-
-    ok := (marks and not byte_t(to_unsigned(mark_repeated, 8))) = x"00" and
-          (stands = '0' or (unsigned(waiting) < entry_trip and begins_work(to_integer(unsigned(waiting))))) and
-          (starts or (sees_only(sees_missing, if_missing) and sees_only(sees_not_new, if_not_new) and
-                      sees_only(sees_failed, if_failed)));
-
-    if starts then
-      ok := ok and routine = '0' and judgements = 0 and accesses = 0 and memories = 0 and bus_open = '0';
-    elsif busy = '0' then
-      ok := ok and idle = '1' and first_clock = '0' and jump = '0' and turns = 0 and routine = '0' and bus_open = '0';
-      if begins = '1' then
-        ok := ok and marks = x"00" and place_ahead = first_of_entries + to_integer(unsigned(chosen)) and
-              begins_work(to_integer(unsigned(chosen))) and
-              (unsigned(chosen) >= entry_trip or
-               (stands = '1' and unsigned(chosen) = place_of(to_integer(unsigned(waiting)))));
-      end if;
-    elsif idle = '1' then  -- it jumps
-      ok := ok and jump = '0' and is_true(to_integer(place_ahead), routine);
-    else
-      ok := ok and is_true(to_integer(place_now), routine);
-      if first_clock = '1' or condition = never then
-        ok := ok and jump = '0';
-      elsif condition = if_mark then
-        ok := ok and jump = (or (marks and now(number_f)));
-      end if;
-      if first_clock = '0' and now(do_begin) = '0' then
-        ok := ok and place_ahead = following;
+    with_id := frame = '1' and has_id(entry);
+    opens   := frame = '1' and (work_of(entry) = work_read or work_of(entry) = work_write);
+    acts    := idle = '0' and first_clock = '0';  -- in the midst of the instruction
+    work_true   <= '1';
+    id_true     <= '1';
+    bus_true    <= '1';
+    status_true <= '1';
+    answer_true <= '1';
+    caller_true <= '1';
+    if busy = '1' and starts = '0' then
+      f := table(to_integer(place));
+      work_true   <= to_bit(work_is(f, routine));
+      id_true     <= to_bit(id_is(f));
+      bus_true    <= to_bit(bus_is(f));
+      status_true <= to_bit(status_is(f, no_effects));
+      answer_true <= to_bit(answer_is(f, no_effects));
+      if routine = '1' then
+        f := table(to_integer(caller));
+        e := effects(to_integer(place));
+        caller_true <= f(returned_to) and to_bit(work_is(f, '0') and id_is(f) and bus_is(f) and status_is(f, e) and
+                                                 answer_is(f, e));
       end if;
     end if;
-    if busy = '1' and routine = '1' then
-      ok := ok and table(to_integer(caller))(returned_to) = '1' and is_true(to_integer(caller), '0');
-    end if;
-    holds <= to_bit(ok);
   end process;
+
+  -- Registers are as the others say. Marks are only those that this core has.
+  registers_are : assert always begun = '1' -> registers_true = '1';
+
+  -- While there is work, its frame stands, and is not done.
+  work_stands : assert always begun = '1' -> works_true = '1';
+
+  -- Instructions are executed one after the other, and jump only if their condition holds.
+  steps_are : assert always begun = '1' -> steps_true = '1';
+
+  -- Without work nothing is open. What begins is the frame that waits, or an event.
+  rests_are : assert always begun = '1' -> rests_true = '1';
+
+  -- The work is one of those that come to this place, with the verdict that leads here.
+  work_is_true : assert always begun = '1' -> work_true = '1';
+
+  -- The cache was asked as often as the table says, about this id.
+  id_is_true : assert always begun = '1' -> id_true = '1';
+
+  -- There was an access or none, as the table says, and it went well or failed.
+  bus_is_true : assert always begun = '1' -> bus_true = '1';
+
+  -- Where the table says so, `data` and the answer have the status of the access.
+  status_is_true : assert always begun = '1' -> status_true = '1';
+
+  -- There is no answer yet, or it has begun, or it has ended, as the table says.
+  answer_is_true : assert always begun = '1' -> answer_true = '1';
+
+  -- All that is true, too, of the place behind the call, when the routine will be over.
+  caller_is_true : assert always begun = '1' -> caller_true = '1';
 
 end architecture;

@@ -7,6 +7,7 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bit_pkg.all;
 use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
 
@@ -134,6 +135,12 @@ begin
 
   -- An id that is neither new nor repeated is stale. So a late copy of an earlier request opens no bus cycle.
   stale_is_neither : assert always looks = '1' and distance(14) = '1' -> new_id = '0' and repeated = '0';
+
+  -- The verdict depends only on the id and on what was last executed in its place. So it stands until something is
+  -- remembered or forgotten, whatever is looked up in between. The proof of frame_application assumes this.
+  verdict_stands : assert always looks = '1' ->
+                   new_id = to_bit(distance /= 0 and distance(14) = '0') and
+                   repeated = to_bit(distance = 0 and last_status /= "1111");
 
   -- A request is executed and then repeated.
   repeat_seen : cover {looks = '1' and repeated = '1'};
