@@ -139,6 +139,7 @@ class ZenohOptions:
         *,
         token: str,
         reads: str,
+        reading: str = "",
         told: Callable[[str], None] | None = None,
     ) -> tuple[Bridge, str]:
         """Return the bridge of `robot` (its class tells the rest), and the place of its router."""
@@ -150,7 +151,15 @@ class ZenohOptions:
             network, publishing = ways.pop(0)
             try:
                 bridge = Bridge(
-                    robot, keys, network, publishing, spec_text, token=token, reads=reads, told=told
+                    robot,
+                    keys,
+                    network,
+                    publishing,
+                    spec_text,
+                    token=token,
+                    reads=reads,
+                    reading=reading,
+                    told=told,
                 )
             except LinkNotFound:
                 if not ways:
@@ -202,8 +211,14 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     options.keys(root)  # a name that cannot be is said before a board is touched
     if options.audit_file is not None:
         check_writable(options.audit_file, "--audit")
-    token, reading = new_token(), new_token()
-    users = [(token, User("zenoh", options.rights())), (reading, User("publishes", Rights.of(["read"])))]
+    token, reading, looking = new_token(), new_token(), new_token()
+    rights = options.rights()
+    readers = Rights.of(f"read {part}".strip() for part in rights.parts("read"))
+    users = [
+        (token, User("zenoh", rights)),
+        (looking, User("zenoh readers", readers)),
+        (reading, User("publishes", Rights.of(["read"]))),
+    ]
     tokens = Tokens([(digest(one), user) for one, user in users])
     with stopped_by_signals() as stop, ExitStack() as stack:
         log = LogFile(options.audit_file, "--audit") if options.audit_file else None
@@ -216,7 +231,9 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
         secret.write(reading)
         secret.flush()
         reads = f"serve://{server.place}/{root}?token_file={secret.name}"
-        bridge, where = options.opened(robot, pack_spec(file, root), token=token, reads=reads)
+        bridge, where = options.opened(
+            robot, pack_spec(file, root), token=token, reads=reads, reading=looking
+        )
         stack.enter_context(bridge)
         _announce(spec, bridge.keys.name, where, robot.url)
         while not stop.wait(_LOOK_S) and not bridge.ended.is_set():

@@ -7,6 +7,7 @@ import click
 
 from .fleet_record import record
 from .fleet_run import run
+from .fleet_security import security
 from .fleet_status import check, status
 from .fleet_update import update
 
@@ -41,5 +42,5 @@ def command() -> None:
     """
 
 
-for _action in (run, status, check, record, update):
+for _action in (run, status, check, record, update, security):
     command.add_command(_action)

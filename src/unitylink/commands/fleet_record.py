@@ -14,7 +14,7 @@ import click
 
 from unitylink.errors import UnityLinkError
 
-from .fleet_run import fleet_argument
+from .fleet_run import as_option, fleet_argument
 from .output import force_option, json_option, print_json
 from .sampling_options import duration_option, rate_option
 
@@ -45,11 +45,11 @@ class Heard:
 class RobotTaker(threading.Thread):
     """Takes the samples of one robot until `stop`. It waits for a robot that is away, and says so."""
 
-    def __init__(self, fleet: Fleet, robot: FleetRobot, rate_hz: float, heard: Heard) -> None:
+    def __init__(self, fleet: Fleet, robot: FleetRobot, rate_hz: float, heard: Heard, who: str) -> None:
         super().__init__(name=f"record {robot.name}", daemon=True)
         self.robot, self.taken, self.lost = robot, 0, 0
         self._rate_hz, self._heard, self._fleet = rate_hz, heard, fleet.name
-        network = fleet.network()
+        network = fleet.network(who)
         way = f"config={network.config}" if network.config else f"connect={network.connect}"
         self._url = f"zenoh:{robot.key}?name=record&{way}"
         self._said = ""
@@ -117,9 +117,17 @@ class RobotTaker(threading.Thread):
 @force_option
 @rate_option
 @duration_option
+@as_option
 @json_option("the result at the end")
 def record(
-    file: str, *, out: str | None, force: bool, rate_hz: float, duration_s: float | None, as_json: bool
+    file: str,
+    *,
+    out: str | None,
+    force: bool,
+    rate_hz: float,
+    duration_s: float | None,
+    who: str,
+    as_json: bool,
 ) -> None:
     """Record all robots of a fleet into one MCAP file, until Ctrl-C.
 
@@ -145,7 +153,7 @@ def record(
     check_output(path, force=force)
     with stopped_by_signals() as stop:
         heard = Heard(stop)
-        takers = [RobotTaker(fleet, robot, rate_hz, heard) for robot in fleet.robots]
+        takers = [RobotTaker(fleet, robot, rate_hz, heard, who) for robot in fleet.robots]
         with create(path, Origin(), topics=heard.topics, force=force) as writer:
             for taker in takers:
                 taker.start()

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from unitylink.fleet.supervisor import Supervisor
 
 fleet_argument = click.argument("file", metavar="FLEET.toml")
+as_option = click.option(
+    "--as", "who", default="", metavar="NAME", help="Your name, if the network asks for it."
+)
 
 
 @click.command(short_help="Run it, until Ctrl-C (without an action, too).")
@@ -46,7 +49,7 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
     from .fleet_table import News, show
 
     fleet = read_fleet(file)
-    _check_router(fleet.router, anyone=fleet.anyone)
+    _check_router(fleet.router, anyone=fleet.anyone or bool(fleet.security))
     if check_config:
         with SpecStore(fleet) as specs:
             for robot in fleet.robots:
@@ -56,11 +59,8 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
     with stopped_by_signals() as stop, ExitStack() as stack:
         supervisor = stack.enter_context(Supervisor(fleet, news.say, start_bridge))
         stack.callback(Control(fleet.file, partial(_update, supervisor)).close)
-        where = fleet.network()
-        click.echo(
-            f"{len(fleet.robots)} robots of {fleet.name} on Zenoh, at {where.connect or where.config}; "
-            "Ctrl-C ends it"
-        )
+        where = fleet.connect or fleet.zenoh_config or fleet.router
+        click.echo(f"{len(fleet.robots)} robots of {fleet.name} on Zenoh, at {where}; Ctrl-C ends it")
         sys.stdout.flush()
         if duration_s is not None:
             timer = threading.Timer(duration_s, stop.set)

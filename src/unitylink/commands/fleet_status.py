@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .fleet_run import fleet_argument
+from .fleet_run import as_option, fleet_argument
 from .output import json_option, print_json, print_table
 
 if TYPE_CHECKING:
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 @click.option(
     "--wait", "wait_s", type=click.FloatRange(0), default=0.0, metavar="S", help="Wait for robots up to S s."
 )
+@as_option
 @json_option("all that is known of each robot")
-def status(file: str, *, wait_s: float, as_json: bool) -> None:
+def status(file: str, *, wait_s: float, who: str, as_json: bool) -> None:
     """Show all robots of a fleet: reachable, spec, gateware, losses, who writes, restarts.
 
     It asks the network, from any machine that has the description. `lost` counts publishes that were lost on
@@ -40,7 +41,7 @@ def status(file: str, *, wait_s: float, as_json: bool) -> None:
     from .fleet_table import rows
 
     fleet = read_fleet(file)
-    run_by, reports = look_at(fleet, wait_s)
+    run_by, reports = look_at(fleet, wait_s, who=who)
     if as_json:
         print_json({"fleet": fleet.name, "running": run_by, "robots": [one.as_dict() for one in reports]})
     else:
@@ -53,8 +54,9 @@ def status(file: str, *, wait_s: float, as_json: bool) -> None:
 
 @click.command(short_help="Compare them with the description.")
 @fleet_argument
+@as_option
 @json_option("what differs")
-def check(file: str, *, as_json: bool) -> None:
+def check(file: str, *, who: str, as_json: bool) -> None:
     """Compare all robots with the description: their specs, and the gateware of their boards.
 
     These differ: a robot that is away; a bridge that runs with another spec than the file has now; gateware
@@ -73,7 +75,7 @@ def check(file: str, *, as_json: bool) -> None:
     fleet = read_fleet(file)
     with SpecStore(fleet) as specs:
         wanted = {robot.name: specs.hash(robot) for robot in fleet.robots}
-    _, reports = look_at(fleet)
+    _, reports = look_at(fleet, who=who)
     found = differences(wanted, reports)
     if as_json:
         print_json([{"robot": one.robot, "kind": one.kind, "text": one.text} for one in found])

@@ -6,9 +6,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from unitylink.errors import FleetError
 from unitylink.zenoh.session import ROUTER, Network
 
 NAME = "fleet"  # of a fleet that has none
+ROUTER_NAME = "router"  # in its certificate
+ROBOT_PREFIX = "robot-"  # of the name of a robot in its certificate
 RIGHTS = ("write", "arm")  # as `unitylink bridge zenoh` gives without --may
 
 
@@ -35,7 +38,7 @@ class Fleet:
     """Robots, and the network on which they are.
 
     Without `connect` and `zenoh_config`, the program that runs the fleet is the router, at `router`. `audit`
-    is a folder with a log for each robot.
+    is a folder with a log for each robot, `security` one with what `unitylink fleet security` made.
     """
 
     file: Path
@@ -46,6 +49,7 @@ class Fleet:
     zenoh_config: str = ""
     anyone: bool = False
     audit: str = ""
+    security: str = ""
 
     @property
     def folder(self) -> Path:
@@ -68,13 +72,27 @@ class Fleet:
 
     def router_network(self) -> Network:
         """How the router opens its session."""
-        return Network(listen=self.router)
+        return Network(config=self.secret(ROUTER_NAME)) if self.security else Network(listen=self.router)
 
-    def network(self) -> Network:
-        """How a program on this machine gets on the network."""
+    def network(self, who: str = "") -> Network:
+        """How a program on this machine gets on the network.
+
+        `who` is its name in its certificate, which the fleet needs if it has `security`. Raises FleetError.
+        """
+        if self.security:
+            if not who:
+                raise FleetError(f"{self.file}: the network is encrypted; say who you are: --as NAME")
+            return Network(config=self.secret(who))
         if self.zenoh_config:
             return Network(config=str(self.place(self.zenoh_config)))
         return Network(connect=self.connect or inside(self.router))
+
+    def secret(self, who: str) -> str:
+        """Return the file of Zenoh for a name in a certificate."""
+        file = self.place(self.security) / f"{who}.json5"
+        if not file.is_file():
+            raise FleetError(f"{file} is not there: unitylink fleet security {self.file}")
+        return str(file)
 
 
 def inside(locator: str) -> str:

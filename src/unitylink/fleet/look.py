@@ -24,13 +24,13 @@ _STEP_S = 0.02
 _PAUSE_S = 0.2  # between two attempts to reach the router
 
 
-def look_at(fleet: Fleet, wait_s: float = 0.0) -> tuple[bool, list[RobotReport]]:
+def look_at(fleet: Fleet, wait_s: float = 0.0, *, who: str = "") -> tuple[bool, list[RobotReport]]:
     """Return whether a program runs the fleet, and what the network tells of each robot.
 
     It waits up to `wait_s` for robots that are not there. Raises LinkNotFound if no router answers.
     """
     limit_s = time.monotonic() + max(wait_s, _TOKENS_S)
-    with _opened(fleet.network(), limit_s if wait_s else 0.0) as session:
+    with _opened(fleet.network(who), limit_s if wait_s else 0.0) as session:
         call = RollCall(session, [robot.key for robot in fleet.robots])
         while time.monotonic() < limit_s and not all(call.of(one.key).reachable for one in fleet.robots):
             time.sleep(_STEP_S)

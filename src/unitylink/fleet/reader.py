@@ -51,6 +51,7 @@ _OF_FLEET: dict[str, tuple[type, str]] = {
     "zenoh_config": (str, "a file of Zenoh"),
     "anyone": (bool, "true or false"),
     "audit": (str, "a folder"),
+    "security": (str, "a folder, which `unitylink fleet security` fills"),
     **_COMMON,
 }
 _OF_ROBOT: dict[str, tuple[type, str]] = {
@@ -94,11 +95,18 @@ def parse_fleet(text: str, file: Path) -> Fleet:
     ways = [word for word in ("router", "connect", "zenoh_config") if word in head]
     if len(ways) > 1:
         raise FleetError(f"{file}: [fleet]: {' and '.join(ways)}: one of them says where the router is")
+    if "security" in head and set(ways) - {"router"}:
+        raise FleetError(
+            f"{file}: [fleet]: with security, the fleet has a router of its own: leave {ways[0]} out"
+        )
     name = head.get("name", NAME)
     _key(name, f"{file}: [fleet]: name")
     robots = tuple(_robot(entry, head, name, number, file) for number, entry in enumerate(entries, 1))
     fleet = Fleet(
-        file, name, robots, **{word: head[word] for word in (*ways, "anyone", "audit") if word in head}
+        file,
+        name,
+        robots,
+        **{word: head[word] for word in (*ways, "anyone", "audit", "security") if word in head},
     )
     _check_together(fleet)
     return fleet

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from .bridge_process import START_S
 from .description import FleetRobot
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def _state(presence: Presence, told: Mapping[str, Any], process: Mapping[str, An
     if presence.bridges:
         return f"board away: {told['away']}" if told.get("away") else "board away"
     if process.get("pid"):
-        return "starting"
+        return "starting" if float(process.get("uptime_s", 0.0)) < START_S else "not seen on the network"
     return f"down: {process['trouble']}" if process.get("trouble") else "down"
 
 

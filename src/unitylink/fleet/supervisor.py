@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import LinkBusy
 
 from .bridge_process import BridgeProcess, Running
-from .description import Fleet, FleetRobot
+from .description import ROBOT_PREFIX, Fleet, FleetRobot
 from .report import RobotReport, report_of
 from .roll_call import RollCall
 from .specs import SpecStore
@@ -132,7 +132,9 @@ class Supervisor:
         words = ["bridge", "zenoh", link, spec, "--key", robot.key]
         if robot.root:
             words += ["--root", robot.root]
-        if fleet.zenoh_config:
+        if fleet.security:
+            words += ["--zenoh-config", fleet.secret(f"{ROBOT_PREFIX}{robot.name}")]
+        elif fleet.zenoh_config:
             words += ["--zenoh-config", str(fleet.place(fleet.zenoh_config))]
         else:
             words += ["--connect", fleet.network().connect]

@@ -69,7 +69,7 @@ class Keys:
         return f"{self.name}/lease/{'/'.join(steps(part)) or 'all'}/{holder}"
 
     def fixed(self, what: str) -> str:
-        """The key of one of: spec, schema, hash, hello, clock, state, stop, refused."""
+        """The key of one of: spec, schema, hash, hello, hello_read, clock, state, stop, refused."""
         return f"{self.name}/{what}"
 
     def _below(self, kind: str, path: str) -> str:

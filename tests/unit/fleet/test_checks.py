@@ -41,7 +41,8 @@ def test_a_report_has_what_the_network_and_the_process_tell() -> None:
     [
         (Presence({"b"}, set(), {}, {"away": "no port", "bridge": "b"}), {"pid": 1}, "board away: no port"),
         (Presence({"b"}, {"other"}), None, "board away"),
-        (Presence(), {"pid": 1}, "starting"),
+        (Presence(), {"pid": 1, "uptime_s": 59.0}, "starting"),
+        (Presence(), {"pid": 1, "uptime_s": 61.0}, "not seen on the network"),
         (Presence(), {"pid": None, "trouble": "ended with code 3"}, "down: ended with code 3"),
         (Presence(set(), {"b"}, {}, STATE), None, "down"),
     ],

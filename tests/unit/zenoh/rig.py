@@ -130,6 +130,7 @@ class Rig:
     robot: Robot
     reads: str
     token: str
+    reading: str
     board: Board
     stack: ExitStack
     bridge: Bridge = field(init=False)
@@ -155,6 +156,7 @@ class Rig:
             self.network,
             pack_spec(self.file, "arm"),
             token=self.token,
+            reading=self.reading,
             reads=self.reads,
         )
 
@@ -188,6 +190,6 @@ def rigged(folder: Path) -> Iterator[Rig]:
         secret.write(reading)
         secret.flush()
         reads = f"serve://{server.place}/arm?token_file={secret.name}"
-        rig = Rig(spec, file, oracle, board_port, free_port(), robot, reads, token, board, stack)
+        rig = Rig(spec, file, oracle, board_port, free_port(), robot, reads, token, reading, board, stack)
         with rig.start():
             yield rig

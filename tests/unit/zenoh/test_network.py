@@ -103,6 +103,20 @@ def test_the_objects_are_the_same_as_on_any_link(stack: ExitStack, rig: Rig) -> 
         link.check_spec("other.ul", wire_hashes(other, "arm"))
 
 
+def test_who_only_reads_cannot_write(stack: ExitStack, rig: Rig) -> None:
+    stranger = Stranger(stack, rig, "looker")
+    stack.enter_context(stranger.session.liveliness().declare_token("lab/arm1/client/reader"))
+    told = stranger.ask("hello_read", json.dumps({"client": "reader"}).encode())
+    assert told["may"] == "read"
+    before, _ = refused(rig, "access")
+    stamp = rig.board.registers[STAMP]
+    body = struct.pack("<I", stamp + 1)
+    point = SetPoint("lab/arm1/set/stamp", told["visit"], 1, stranger.deadline_ns(1.0), body)
+    stranger.session.put("lab/arm1/set/stamp", point.encode())
+    until(lambda: refused(rig, "access")[0] > before)
+    assert rig.board.registers[STAMP] == stamp
+
+
 def test_one_client_at_a_time_writes_a_part(stack: ExitStack, rig: Rig) -> None:
     first, second = opened(stack, rig).robot(), opened(stack, rig).robot()
     first["j2.goal"].write(0.5)

@@ -48,9 +48,10 @@ _FIRST_S = 5.0
 class Bridge:
     """Serves `robot`, which has been started, under `keys` until `close`.
 
-    `token` is that of the user as whom all clients come. `reads` is the URL by which the robot's server lets
-    publishes be read. `spec_text` is what `pack_spec` returned. What is published goes through a session of
-    its own. So a reader that is slow holds up no request and no stop.
+    `token` is that of the user as whom all clients come, and `reading` of those who only read. `reads` is
+    the URL by which the robot's server lets publishes be read. `spec_text` is what `pack_spec` returned.
+    What is published goes through a session of its own. So a reader that is slow holds up no request and no
+    stop.
 
     Raises LinkBusy if another bridge has this name already. `trouble` tells what ended the bridge by itself,
     and so does a call of `told`.
@@ -66,6 +67,7 @@ class Bridge:
         *,
         token: str,
         reads: str,
+        reading: str = "",
         told: Callable[[str], None] | None = None,
     ) -> None:
         self.robot, self.keys, self.id = robot, keys, secrets.token_hex(8)
@@ -75,7 +77,7 @@ class Bridge:
         self.hash = f"{wire_hash(robot.spec):016x}"
         self._reads, self._spec_text = reads, spec_text
         self._reader: Link | None = None  # of the publishes
-        self._guests = Guests(robot, keys, token, bridge=self.id, spec_hash=self.hash)
+        self._guests = Guests(robot, keys, token, reading=reading, bridge=self.id, spec_hash=self.hash)
         self._guests.ended = self._let_go
         self._executor = Executor(robot)
         self._served: tuple[SetPoints, Topics] | None = None
@@ -161,7 +163,7 @@ class Bridge:
         answers: dict[str, Any] = {
             fixed(name): self._teller(fixed(name), text) for name, text in texts.items()
         }
-        answers[fixed("hello")] = self._guests.hello
+        answers[fixed("hello")] = answers[fixed("hello_read")] = self._guests.hello
         stack.callback(Queries(session, answers, self.refusals, threads=2).close)
         stack.callback(Queries(session, {fixed("clock"): self._clock}, self.refusals).close)
         do = {self.keys.request(self.id): self._requests.answer}

@@ -31,24 +31,26 @@ _NAME = re.compile(r"[A-Za-z0-9_-]{1,40}")
 class Guests:
     """The visits of clients, each with a login at the gate of the robot.
 
-    `token` is that of the user as whom all come. `bridge` and `spec_hash` are told to them. `ended` is called
-    with each visit that has ended. `lock` guards `visits`.
+    `token` is that of the user as whom all come, and `reading` of those who only read. `bridge` and
+    `spec_hash` are told to them. `ended` is called with each visit that has ended. `lock` guards `visits`.
     """
 
-    def __init__(self, robot: Robot, keys: Keys, token: str, *, bridge: str, spec_hash: str) -> None:
+    def __init__(
+        self, robot: Robot, keys: Keys, token: str, *, reading: str, bridge: str, spec_hash: str
+    ) -> None:
         self.visits, self.lock = Visits(), threading.Lock()
         self.ended: Callable[[Visit], None] = lambda visit: None
-        self._robot, self._keys, self._token = robot, keys, token
+        self._robot, self._keys, self._token, self._reading = robot, keys, token, reading
         self._bridge, self._hash = bridge, spec_hash
         self._leases: dict[str, zenoh.LivelinessToken] = {}
         self._gate: tuple[Gate, threading.Lock] | None = None
 
-    def enter(self, where: str) -> Client:
-        """Log somebody in. Raises UnityLinkError if the board is away."""
+    def enter(self, where: str, token: str = "") -> Client:
+        """Log somebody in, by default as all. Raises UnityLinkError if the board is away."""
         _, gate, lock = self._robot.share()
         self._gate = gate, lock  # it stays when the board goes
         with lock:
-            return gate.login(self._token, where, now())
+            return gate.login(token or self._token, where, now())
 
     def exit(self, client: Client) -> None:
         """Log somebody out."""
@@ -102,7 +104,10 @@ class Guests:
             self._gone(visit, "its token is gone")
 
     def hello(self, query: zenoh.Query) -> None:
-        """Let a client in, and tell it what it has to know. Raises Refused or UnityLinkError."""
+        """Let a client in, and tell it what it has to know. Raises Refused or UnityLinkError.
+
+        Who comes by the key `hello_read` can only read, whatever the others may do.
+        """
         if "*" in str(query.key_expr):
             raise Refused("wildcard", ProtocolError("a hello is for one robot"))
         name, spec_hash = _read_hello(payload_of(query))
@@ -110,7 +115,12 @@ class Guests:
             text = f"{self._keys.name} has the spec {self._hash}, and {name} was made from {spec_hash}"
             raise Refused("spec", LinkBusy(text))
         link, _, _ = self._robot.share()
-        client = self.enter(f"zenoh client {name}")
+        reads = str(query.key_expr) == self._keys.fixed("hello_read")
+        if reads and not self._reading:
+            raise Refused(
+                "access", AccessRefused(f"{self._keys.name} knows nobody who only reads: say hello")
+            )
+        client = self.enter(f"zenoh client {name}", self._reading if reads else "")
         try:
             with self.lock:
                 if any(one.name == name for one in self.visits.all()):
@@ -127,7 +137,7 @@ class Guests:
             "may": str(client.user.rights),
             "configuration": dict(vars(link.configuration)),
         }
-        query.reply(self._keys.fixed("hello"), json.dumps(told))
+        query.reply(query.key_expr, json.dumps(told))
 
     def _gone(self, visit: Visit, why: str) -> None:
         """A client is gone without a word. Its parts become safe, by the thread of the robot."""

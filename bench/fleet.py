@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Many virtual robots on one router: what is lost, how late it is, and what each robot costs.
+
+    python bench/fleet.py
+    python bench/fleet.py --robots 64 --rate 10 --kill-router
+
+The router, the fleet with its bridges, and the reader of all publishes are processes of this machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import signal
+import socket
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from unitylink.commands.fleet_bridges import start_bridge
+from unitylink.fleet.description import Fleet
+from unitylink.fleet.reader import read_fleet
+from unitylink.fleet.supervisor import Supervisor
+from unitylink.zenoh.session import Network
+
+WORDS = 18
+HEAD = struct.Struct("<Iq")  # of a publication: sequence, time by the bridge's clock
+UP_S = 120.0
+ROUTER = """
+import sys
+from unitylink.zenoh.session import Network
+with Network(listen=sys.argv[1]).opened():
+    sys.stdin.read()
+"""
+TICKS_HZ = os.sysconf("SC_CLK_TCK")
+
+
+class Reader:
+    """Counts what comes of one robot, and what is missing by its sequence."""
+
+    def __init__(self) -> None:
+        self.came = self.missing = 0
+        self.last_s = 0.0
+        self.delays_ms: list[float] = []
+        self._next: int | None = None
+        self._lock = threading.Lock()
+
+    def take(self, data: bytes) -> None:
+        sequence, time_ns = HEAD.unpack_from(data)
+        now_ns = time.monotonic_ns()
+        with self._lock:
+            if self._next is not None:
+                self.missing += (sequence - self._next) & 0xFFFFFFFF
+            self._next = sequence + 1
+            self.came += 1
+            self.last_s = now_ns / 1e9
+            self.delays_ms.append((now_ns - time_ns) / 1e6)
+
+    def restart(self) -> None:
+        """Count from here."""
+        with self._lock:
+            self.came = self.missing = 0
+            self.delays_ms = []
+
+
+def cpu_s(pid: int) -> float:
+    """Return the processor time of a process."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS_HZ
+
+
+def memory_mb(pid: int) -> float:
+    """Return the memory of a process that it shares with no other, and its part of what is shared."""
+    rows = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    return next(int(row.split()[1]) for row in rows if row.startswith("Pss:")) / 1024
+
+
+def described(folder: Path, count: int, rate_hz: int, router: str) -> Fleet:
+    """Write and read the description of a fleet."""
+    items = "".join(f"@v{n} = 0x{0x10 + n:X}: READ(PUBLISH({rate_hz} Hz)); " for n in range(WORDS))
+    (folder / "arm.ul").write_text(f"public arm() {{ {items}}}\n")
+    robots = "".join(f'[[robot]]\nname = "r{n}"\nlink = "sim:arm.ul?plant=ramp"\n' for n in range(count))
+    file = folder / "fleet.toml"
+    file.write_text(f'[fleet]\nname = "bench"\nconnect = "{router}"\n{robots}')
+    return read_fleet(file)
+
+
+def started_router(locator: str) -> subprocess.Popen[bytes]:
+    """Start a router as a process, and wait until it answers."""
+    router = subprocess.Popen([sys.executable, "-c", ROUTER, locator], stdin=subprocess.PIPE)
+    host, _, port = locator.removeprefix("tcp/").rpartition(":")
+    while True:
+        with contextlib.suppress(OSError), socket.create_connection((host, int(port)), 0.2):
+            return router
+        time.sleep(0.02)
+
+
+def until(true: object, within_s: float) -> float:
+    """Wait until something is true. Return how long it took."""
+    began_s = time.monotonic()
+    while not true():  # type: ignore[operator]
+        if time.monotonic() - began_s > within_s:
+            raise SystemExit(f"not within {within_s:.0f} s")
+        time.sleep(0.01)
+    return time.monotonic() - began_s
+
+
+def measure(
+    readers: dict[str, Reader], rate_hz: int, router: int, bridges: list[int], seconds: float
+) -> None:
+    """Print what comes in some seconds, and what that costs."""
+    for reader in readers.values():
+        reader.restart()
+    pids = [router, *bridges]
+    before, began_s = {pid: cpu_s(pid) for pid in pids}, time.monotonic()
+    time.sleep(seconds)
+    took_s = time.monotonic() - began_s
+    used = {pid: (cpu_s(pid) - before[pid]) / took_s for pid in pids}
+    came, missing = (sum(getattr(one, what) for one in readers.values()) for what in ("came", "missing"))
+    delays = sorted(delay for one in readers.values() for delay in one.delays_ms)
+    asked = len(readers) * rate_hz * took_s
+    print(f"came {came:,} publishes of {WORDS} words in {took_s:.1f} s ({came / asked:.2f} of what is asked)")
+    print(f"lost by sequence {missing}")
+    late_ms = delays[len(delays) * 99 // 100]
+    print(f"from bridge to reader: median {statistics.median(delays):.2f} ms, 99 % {late_ms:.1f} ms")
+    print(f"router: {100 * used[router]:.1f} % of a core, {memory_mb(router):.1f} MB")
+    bridge = statistics.mean(used[pid] for pid in bridges)
+    print(f"a bridge with its board: {100 * bridge:.2f} % of a core, {memory_mb(bridges[0]):.1f} MB")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--robots", type=int, default=8)
+    parser.add_argument("--rate", type=int, default=100, metavar="HZ", help="of publishes (%(default)d)")
+    parser.add_argument("--seconds", type=float, default=5.0)
+    parser.add_argument("--kill-router", action="store_true", help="kill it, and start it again after 2 s")
+    options = parser.parse_args()
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        locator = f"tcp/127.0.0.1:{one.getsockname()[1]}"
+    router = started_router(locator)
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        stack.callback(lambda: router.kill())  # noqa: PLW0108  the one that runs then
+        fleet = described(Path(folder), options.robots, options.rate, locator)
+        began_s = time.monotonic()
+        supervisor = stack.enter_context(Supervisor(fleet, lambda name, text: None, start_bridge))
+        if not supervisor.wait_up(UP_S):
+            raise SystemExit("not all robots came")
+        print(f"{options.robots} robots are up after {time.monotonic() - began_s:.1f} s")
+        session = stack.enter_context(Network(connect=locator).opened())
+        readers = {robot.key: Reader() for robot in fleet.robots}
+        for key, reader in readers.items():
+            session.declare_subscriber(
+                f"{key}/publish/{options.rate}_hz",
+                lambda sample, take=reader.take: take(sample.payload.to_bytes()),
+            )
+        until(lambda: all(one.came for one in readers.values()), UP_S)
+        pids = [one.pid for one in supervisor.reports() if one.pid is not None]
+        measure(readers, options.rate, router.pid, pids, options.seconds)
+        gone = until_gone(supervisor, pids[0])
+        print(f"a bridge is killed: its token is gone after {gone:.3f} s")
+        if options.kill_router:
+            router.kill()
+            router.wait()
+            time.sleep(2.0)
+            router = started_router(locator)
+            back_s = time.monotonic()
+            fresh = until(lambda: all(one.last_s > back_s for one in readers.values()), UP_S)
+            print(f"the router is killed, and back after 2 s: all values are fresh {fresh:.2f} s later")
+
+
+def until_gone(supervisor: Supervisor, pid: int) -> float:
+    """Kill a bridge, and return how long the network shows it."""
+    name = next(one.name for one in supervisor.reports() if one.pid == pid)
+    os.kill(pid, signal.SIGKILL)
+    return until(lambda: not next(one for one in supervisor.reports() if one.name == name).reachable, UP_S)
+
+
+if __name__ == "__main__":
+    main()
