@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Python.h>
+#include <dlfcn.h>
 
 namespace unitylink::python {
 
@@ -22,7 +23,14 @@ class InterpreterState {
 
  private:
   static bool ending() noexcept {
-#if PY_VERSION_HEX >= 0x030D0000
+#if defined(Py_LIMITED_API)
+    // Each version from 3.12 on has this function, by one of two names. The stable ABI has it from 3.13 on.
+    static const auto ask = [] {
+      void* found = dlsym(RTLD_DEFAULT, "Py_IsFinalizing");
+      return reinterpret_cast<int (*)()>(found != nullptr ? found : dlsym(RTLD_DEFAULT, "_Py_IsFinalizing"));
+    }();
+    return ask == nullptr || ask() != 0;
+#elif PY_VERSION_HEX >= 0x030D0000
     return Py_IsFinalizing() != 0;
 #else
     return _Py_IsFinalizing() != 0;

@@ -168,7 +168,7 @@ nb::object take_single(Link& link, std::uint32_t id, std::size_t words) {
     nb::raise_python_error();
   }
   for (std::size_t index = 0; index < words; ++index) {
-    PyTuple_SET_ITEM(row.ptr(), static_cast<Py_ssize_t>(index), nb::int_(room[index]).release().ptr());
+    PyTuple_SetItem(row.ptr(), static_cast<Py_ssize_t>(index), nb::int_(room[index]).release().ptr());
   }
   return nb::make_tuple(time_s, row);
 }

@@ -15,7 +15,7 @@ nb::object list_of(std::span<const std::uint32_t> words) {
     nb::raise_python_error();
   }
   for (std::size_t index = 0; index < words.size(); ++index) {
-    PyList_SET_ITEM(list.ptr(), static_cast<Py_ssize_t>(index), nb::int_(words[index]).release().ptr());
+    PyList_SetItem(list.ptr(), static_cast<Py_ssize_t>(index), nb::int_(words[index]).release().ptr());
   }
   return list;
 }

@@ -4,7 +4,6 @@
 
 #include <nanobind/stl/string.h>
 
-#include <span>
 #include <string>
 
 #include "bindings.hpp"
@@ -37,17 +36,19 @@ std::uint32_t other_word_of(nb::handle value, const char* name) {
   return static_cast<std::uint32_t>(number);
 }
 
-// The items of an iterable object, as a list or tuple. Null: it is not iterable.
+// The items of an iterable object, as a tuple, which nobody else changes. Null: it is not iterable.
 nb::object items_of(nb::handle iterable) {
-  nb::object items = nb::steal(PySequence_Fast(iterable.ptr(), ""));
+  nb::object items = nb::steal(PySequence_Tuple(iterable.ptr()));
   if (!items.is_valid()) {
     PyErr_Clear();
   }
   return items;
 }
 
-std::span<PyObject*> span_of(const nb::object& items) noexcept {
-  return {PySequence_Fast_ITEMS(items.ptr()), static_cast<std::size_t>(PySequence_Fast_GET_SIZE(items.ptr()))};
+std::size_t size_of(const nb::object& items) noexcept { return static_cast<std::size_t>(PyTuple_Size(items.ptr())); }
+
+nb::handle item_of(const nb::object& items, std::size_t item) noexcept {
+  return PyTuple_GetItem(items.ptr(), static_cast<Py_ssize_t>(item));
 }
 
 }  // namespace
@@ -79,11 +80,9 @@ std::vector<std::uint32_t> words_of(nb::handle sequence, const char* name) {
     raise_range(std::string(name) + " must be a sequence of whole numbers, not " + told(sequence));
   }
   std::vector<std::uint32_t> words;
-  words.reserve(span_of(items).size());
-  // asked each time, because __index__ of a number may change the list
-  for (std::size_t item = 0; item < span_of(items).size(); ++item) {
-    const nb::object given = nb::borrow(span_of(items)[item]);
-    words.push_back(word_of(given, name));
+  words.reserve(size_of(items));
+  for (std::size_t item = 0; item < size_of(items); ++item) {
+    words.push_back(word_of(item_of(items, item), name));
   }
   return words;
 }
@@ -94,18 +93,16 @@ Writes writes_of(nb::handle pairs) {
     raise_range("writes must be a sequence of pairs (address, value), not " + told(pairs));
   }
   Writes writes;
-  writes.addresses.reserve(span_of(items).size());
-  writes.values.reserve(span_of(items).size());
-  for (std::size_t item = 0; item < span_of(items).size(); ++item) {
-    const nb::object given = nb::borrow(span_of(items)[item]);
+  writes.addresses.reserve(size_of(items));
+  writes.values.reserve(size_of(items));
+  for (std::size_t item = 0; item < size_of(items); ++item) {
+    const nb::handle given = item_of(items, item);
     const nb::object pair = items_of(given);
-    if (!pair.is_valid() || span_of(pair).size() != 2) {
+    if (!pair.is_valid() || size_of(pair) != 2) {
       raise_range("a write must be a pair (address, value), not " + told(given));
     }
-    const nb::object address = nb::borrow(span_of(pair)[0]);
-    const nb::object value = nb::borrow(span_of(pair)[1]);
-    writes.addresses.push_back(word_of(address, "address"));
-    writes.values.push_back(word_of(value, "value"));
+    writes.addresses.push_back(word_of(item_of(pair, 0), "address"));
+    writes.values.push_back(word_of(item_of(pair, 1), "value"));
   }
   return writes;
 }
