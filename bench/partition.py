@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A network that is cut for a while: is a set-point executed that is older than its time to live?
+
+    python bench/partition.py
+    python bench/partition.py --robots 4 --cut 10
+
+Set-points go to each robot all the time, each with a time to live. What is sent while the way is cut waits in
+it, and comes when it is whole again. On each board, an oracle notes each set-point that it sees, and when.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import select
+import socket
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from unitylink import connect
+from unitylink.commands.fleet_bridges import start_bridge
+from unitylink.errors import LinkError
+from unitylink.fleet.reader import read_fleet
+from unitylink.fleet.supervisor import Supervisor
+from unitylink.layer4_data import ReadValue
+from unitylink.zenoh.link import ZenohLink
+
+SPEC = "public arm() { @stamp = 0x10: u32 WRITE(SAFE=0); @count = 0x11: READ(PUBLISH(100 Hz)); }\n"
+ORACLE = '''
+"""Notes each value of `stamp`, and when it saw it first: one line each, in a file of this board."""
+import json
+import os
+import time
+
+
+class Plant:
+    period_s = 0.001
+
+    def attach(self, spec, registers):
+        self._registers, self._last = registers, 0
+        self._file = open(f"{os.getpid()}.log", "w", buffering=1)
+
+    def step(self, time_s):
+        value = int(self._registers[0x10])
+        if value != self._last:
+            self._last = value
+            self._file.write(json.dumps([time.monotonic(), value]) + chr(10))
+'''
+UP_S = 60.0
+PERIOD_S = 0.02
+BEFORE_S = 3.0  # how long all is well, before the cut and after it
+SILENT_S = 0.2  # what was on its way when it was cut
+APART = 1_000_000  # between the set-points of two robots, so that each is known by its value
+SEES_S = (
+    0.005  # how much later than the write the oracle may see a value: its period, and some for a busy machine
+)
+
+
+class Way:
+    """A TCP way to a port, which can be cut. What is under way meanwhile comes later."""
+
+    def __init__(self, port: int) -> None:
+        self._to = port
+        self._door = socket.create_server(("127.0.0.1", 0))
+        self.port: int = self._door.getsockname()[1]
+        self.whole = threading.Event()
+        self.whole.set()
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        while True:
+            near, _ = self._door.accept()
+            far = socket.create_connection(("127.0.0.1", self._to))
+            for source, target in ((near, far), (far, near)):
+                threading.Thread(target=self._carry, args=(source, target), daemon=True).start()
+
+    def _carry(self, source: socket.socket, target: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while select.select([source], [], []) and (data := source.recv(65536)):
+                self.whole.wait()
+                target.sendall(data)
+        for end in (source, target):
+            end.close()
+
+
+class Sender(threading.Thread):
+    """Sends set-points to one robot until `stop`, and notes when each was sent."""
+
+    def __init__(self, url: str, first: int, ttl_s: float, stop: threading.Event) -> None:
+        super().__init__(daemon=True)
+        self._url, self._ttl_s, self._stop_all = url, ttl_s, stop
+        self.sent_s: dict[int, float] = {}
+        self._next = first
+        self.last_seen_s = 0.0
+
+    def run(self) -> None:
+        with connect(self._url) as link:
+            assert isinstance(link, ZenohLink)
+            robot = link.robot()
+            count = robot["count"]
+            assert isinstance(count, ReadValue)
+            count.on_publish(self._heard)
+            with contextlib.suppress(LinkError), robot.publishing():
+                goals = link.set_points("stamp", ttl_s=self._ttl_s)
+                while not self._stop_all.wait(PERIOD_S):
+                    self._next += 1
+                    self.sent_s[self._next] = time.monotonic()
+                    with contextlib.suppress(LinkError):
+                        goals.send(self._next)
+
+    def _heard(self, time_s: float, value: object) -> None:
+        self.last_seen_s = time.monotonic()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--robots", type=int, default=4)
+    parser.add_argument("--cut", type=float, default=10.0, metavar="S", help="how long the way is cut")
+    parser.add_argument("--ttl", type=float, default=0.1, metavar="S", help="time to live of a set-point")
+    options = parser.parse_args()
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        port = one.getsockname()[1]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "arm.ul").write_text(SPEC)
+        (folder / "oracle.py").write_text(ORACLE)
+        robots = "".join(
+            f'[[robot]]\nname = "r{n}"\nlink = "sim:arm.ul?plant=oracle.py"\n' for n in range(options.robots)
+        )
+        file = folder / "fleet.toml"
+        file.write_text(f'[fleet]\nname = "bench"\nrouter = "tcp/127.0.0.1:{port}"\n{robots}')
+        with Supervisor(read_fleet(file), lambda robot, text: None, start_bridge) as fleet:
+            if not fleet.wait_up(UP_S):
+                raise SystemExit(f"not all robots came: {[one.state for one in fleet.reports()]}")
+            senders = cut(fleet, port, options)
+        judge(folder, senders, options.ttl)
+
+
+def cut(fleet: Supervisor, port: int, options: argparse.Namespace) -> list[Sender]:
+    """Send set-points to all robots through a way that is cut for a while."""
+    way, stop = Way(port), threading.Event()
+    senders = [
+        Sender(f"zenoh:{robot.key}?connect=tcp/127.0.0.1:{way.port}", n * APART, options.ttl, stop)
+        for n, robot in enumerate(fleet.robots.values(), 1)
+    ]
+    for sender in senders:
+        sender.start()
+    time.sleep(BEFORE_S)
+    if not all(sender.last_seen_s for sender in senders):
+        raise SystemExit("not all robots publish")
+    way.whole.clear()
+    began_s = time.monotonic()
+    print(f"the way to {len(senders)} robots is cut for {options.cut:g} s")
+    time.sleep(options.cut)
+    silent = sum(sender.last_seen_s < began_s + SILENT_S for sender in senders)
+    way.whole.set()
+    whole_s = time.monotonic()
+    while not all(sender.last_seen_s > whole_s for sender in senders):
+        if time.monotonic() - whole_s > UP_S:
+            raise SystemExit("not all robots came back")
+        time.sleep(0.01)
+    fresh_s = time.monotonic() - whole_s
+    print(f"nothing came meanwhile from {silent} of them; all have fresh values {fresh_s:.2f} s later")
+    time.sleep(BEFORE_S)
+    stop.set()
+    for sender in senders:
+        sender.join(10.0)
+    return senders
+
+
+def judge(folder: Path, senders: list[Sender], ttl_s: float) -> None:
+    """Compare what the oracles saw with when it was sent."""
+    sent_s = {value: at_s for sender in senders for value, at_s in sender.sent_s.items()}
+    seen = [json.loads(line) for file in folder.glob("*.log") for line in file.read_text().splitlines()]
+    ages_s = sorted(at_s - sent_s[value] for at_s, value in seen if value)
+    safe = sum(not value for _, value in seen)
+    late = [age_s for age_s in ages_s if age_s > ttl_s + SEES_S]
+    print(
+        f"sent {len(sent_s):,} set-points; the boards executed {len(ages_s):,}, and became safe {safe} times"
+    )
+    print(f"ages: median {1e3 * ages_s[len(ages_s) // 2]:.1f} ms, oldest {1e3 * ages_s[-1]:.1f} ms")
+    print(f"older than their {1e3 * ttl_s:.0f} ms (and {1e3 * SEES_S:.0f} ms for the oracle): {len(late)}")
+
+
+if __name__ == "__main__":
+    main()
