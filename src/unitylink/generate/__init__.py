@@ -24,6 +24,7 @@ from unitylink.spec.model import Spec
 from .bench import bench_files
 from .c import c_files
 from .cpp import cpp_files
+from .fmu import fmu_files
 from .html import html_files
 from .json import json_files
 from .lerobot import lerobot_files
@@ -73,6 +74,7 @@ ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
         "cpp": Artefact(cpp_files),
         "c": Artefact(c_files),
         "rust": Artefact(rust_files),
+        "fmu": Artefact(fmu_files),
         "vhdl": Artefact(vhdl_files, gateware=True),
         "bench": Artefact(bench_files, gateware=True),
         "json": Artefact(json_files),

@@ -10,7 +10,7 @@ from ..spec_plan import SpecPlan
 from ..templates import environment
 from . import functions
 
-__all__ = ["c_files"]
+__all__ = ["c_files", "plan_c"]
 
 _HERE = Path(__file__).parent
 _RESERVED = frozenset({"part", "robot"})  # members that each struct of a part has
@@ -18,13 +18,14 @@ _RESERVED = frozenset({"part", "robot"})  # members that each struct of a part h
 
 def c_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of the header with a struct for each constructor of the spec."""
-    planned = plan.part(_planned)
+    planned = plan.part(plan_c)
     guard = f"UNITYLINK_GENERATED_{planned.name.upper()}_H"
     template = environment(_HERE).get_template("header.h.jinja")
     return {f"{planned.name}.h": template.render(plan=planned, c=functions, guard=guard)}
 
 
-def _planned(plan: SpecPlan) -> ObjectsPlan:
+def plan_c(plan: SpecPlan) -> ObjectsPlan:
+    """Plan the header of a spec."""
     spec = plan.spec
     (name,) = members([snake(spec.name) or "robot"], {"ul", "std", "unitylink"}).values()
     return plan_objects(spec, Style(name, plain=True, reserved=_RESERVED, dialect=C))

@@ -240,6 +240,7 @@ def _of(pattern: re.Pattern[str]) -> Callable[[str], Hashable]:
 
 
 _READERS: dict[str, Callable[[str], Hashable]] = {
+    ".c": _cpp,
     ".cpp": _cpp,
     ".h": _cpp,
     ".hpp": _cpp,

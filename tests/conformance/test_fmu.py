@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A unit of FMI 3.0: FMPy checks and simulates what CMake makes, as docs/fmu.md says."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from conformance.boards import Still, output
+from fmpy.validation import validate_fmu
+
+from unitylink.generate import generate, write_files
+from unitylink.simulate import Board
+from unitylink.simulate.plant import load_plant
+from unitylink.spec import load
+
+ROOT = Path(__file__).resolve().parents[2]
+CMAKE = Path(sys.executable).with_name("cmake")
+HEADERS = Path(fmpy.__file__).parent / "c-code"  # the standard's own: all functions must be as they say
+STRICT = f"-DUNITYLINK_FMI_HEADERS -I{HEADERS} -Wall -Wextra -Werror"
+
+
+def unit(source: Path, library: Path, folder: Path) -> Path:
+    """Generate the unit of a spec and build it, with the library as it is installed."""
+    spec = load(source)
+    write_files(generate(spec, "fmu"), folder)
+    prefix, made = folder / "prefix", folder / "made"
+    for line in (
+        ["--install", library, "--prefix", prefix],
+        [
+            "-S",
+            folder / "fmu" / spec.roots[0].name,
+            "-B",
+            made,
+            f"-DCMAKE_PREFIX_PATH={prefix}",
+            f"-DCMAKE_C_FLAGS={STRICT}",
+        ],
+        ["--build", made],
+    ):
+        done = subprocess.run([CMAKE, *line], capture_output=True, text=True, check=False, timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return made / f"{spec.roots[0].name}.fmu"
+
+
+def test_the_page_runs(library: Path, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "fmu.md").read_text("utf-8")
+    (program,) = re.findall(r"^```python.*?\n(.*?)^```", page, re.M | re.S)
+    source = ROOT / "examples" / "scara" / "scara.ul"
+    made = unit(source, library, tmp_path)
+    with Board(load(source), endpoint="tcp", plant=load_plant("scara")) as board:
+        program = program.replace("tcp://127.0.0.1:5555", board.url).replace('"scara.fmu"', repr(str(made)))
+        (tmp_path / "simulate.py").write_text(program, encoding="utf-8")
+        told = output(sys.executable, tmp_path / "simulate.py")
+        assert told[-1] == "joint 1 is at 300", told
+
+
+def test_each_kind_of_value_and_what_is_refused(library: Path, tmp_path: Path) -> None:
+    source = ROOT / "tests" / "conformance" / "objects" / "steps.ul"
+    made = unit(source, library, tmp_path)
+    assert validate_fmu(str(made)) == []
+    said: list[str] = []
+
+    def simulated(**start: Any) -> Any:
+        said.clear()
+        return fmpy.simulate_fmu(
+            str(made),
+            stop_time=0.2,
+            output_interval=0.1,
+            start_values={"link.paced": False} | {name.replace("__", "."): start[name] for name in start},
+            logger=lambda environment, status, category, text: said.append(text.decode()),
+        )
+
+    with Board(load(source), endpoint="tcp", plant=Still()) as board:
+        result = simulated(link__url=board.url)
+        assert result.dtype.names == ("time", "j[0].pos", "j[1].pos", "faults", "limit") and not said
+        assert list(result[-1]) == [pytest.approx(0.2), -0.256, 1.234, 5, 42]
+        assert board.registers[0x31] == 0, "what is not set is not written"
+        given = {"lamps[1]": True, "net__a": -9, "j[0]__mode": 3}
+        simulated(link__url=board.url, small=-7, gain=2.5, **given)
+        assert not said
+        written = {0x31: 0xF9, 0x34: 0x40200000, 0x3A: 0, 0x3B: 1, 0x12: 3, 0x100: 0xFFFFFFF7}
+        assert {address: board.registers[address] for address in written} == written
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            simulated(link__url=board.url, small=101)
+        assert said == ["small: 101 is not in -100 to 100; nothing was sent"]
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        simulated(link__url="tcp://127.0.0.1:1")
+    assert said[0].startswith("tcp://127.0.0.1:1: nothing listens there")
