@@ -191,5 +191,6 @@ def rigged(folder: Path) -> Iterator[Rig]:
         secret.flush()
         reads = f"serve://{server.place}/arm?token_file={secret.name}"
         rig = Rig(spec, file, oracle, board_port, free_port(), robot, reads, token, reading, board, stack)
-        with rig.start():
-            yield rig
+        rig.start()
+        stack.callback(lambda: rig.bridge.close())  # noqa: PLW0108  the last one that was started
+        yield rig
