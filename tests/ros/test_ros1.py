@@ -199,6 +199,7 @@ def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
     ros.until((ros.folder / "run.bag").exists)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("node", NODES)
 def test_the_walker_needs_nothing_by_hand(ros: Ros, board: MakeBoard, node: str) -> None:
     """18 joints both ways, with a package that is built and launched exactly as it was generated."""
