@@ -18,6 +18,7 @@ from typing import Any
 from unitylink.errors import LinkNotFound, UnityLinkError
 
 _LINE_MOST = 65536
+_PATH_MOST = 100  # bytes; a system takes 103 to 107 for a socket
 _ASK_S = 2.0  # how long a client has to say what it wants
 Say = Callable[[str, str], None]
 Do = Callable[[dict[str, Any], Say], bool]
@@ -28,13 +29,18 @@ def socket_path(file: Path) -> Path:
 
     Raises UnityLinkError if other users could be there.
     """
-    base = os.environ.get("XDG_RUNTIME_DIR")
-    folder = Path(base, "unitylink") if base else Path(tempfile.gettempdir(), f"unitylink-{os.getuid()}")
+    name = f"fleet-{hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]}.sock"
+    base = os.environ.get("XDG_RUNTIME_DIR", "")
+    folder = Path(base, "unitylink")
+    if not base or len(os.fsencode(folder / name)) > _PATH_MOST:
+        folder = Path(tempfile.gettempdir(), f"unitylink-{os.getuid()}")
+    if len(os.fsencode(folder / name)) > _PATH_MOST:
+        raise UnityLinkError(f"{folder} is too long for a socket; set XDG_RUNTIME_DIR to a shorter folder")
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     about = folder.lstat()
     if not stat.S_ISDIR(about.st_mode) or about.st_uid != os.getuid() or about.st_mode & 0o077:
         raise UnityLinkError(f"{folder} is open to other users; remove it, or run chmod go= {folder}")
-    return folder / f"fleet-{hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]}.sock"
+    return folder / name
 
 
 class Control:

@@ -154,8 +154,8 @@ def _robot(entry: dict[str, Any], head: dict[str, Any], fleet: str, number: int,
 
 
 def _spec(entry: dict[str, Any], head: dict[str, Any], link: str, place: str, file: Path) -> str:
-    kind, _, rest = link.partition(":")
-    own = rest.partition("?")[0] if SCHEMES[kind].virtual and kind != "bit" else ""
+    own = own_spec(link)
+    kind = link.partition(":")[0]
     folder = file.resolve().parent
     if own and "spec" in entry and (folder / own).resolve() != (folder / entry["spec"]).resolve():
         raise FleetError(f"{place}: a {kind}: link brings its own spec; leave spec = {entry['spec']!r} out")
@@ -167,6 +167,19 @@ def _spec(entry: dict[str, Any], head: dict[str, Any], link: str, place: str, fi
             f"{place}: there is no spec {spec} in {folder}; paths begin where the fleet's file is"
         )
     return spec
+
+
+def own_spec(link: str) -> str:
+    """Return the spec that the link to a virtual board brings, or an empty text.
+
+    >>> own_spec("sim:arm.ul?plant=ramp"), own_spec("bit:arm.bin?spec=arm.ul"), own_spec("tcp://lab:5555")
+    ('arm.ul', 'arm.ul', '')
+    """
+    kind, _, rest = link.partition(":")
+    if not SCHEMES[kind].virtual:
+        return ""
+    path, _, query = rest.partition("?")
+    return path if kind != "bit" or path.endswith(".ul") else dict(parse_qsl(query)).get("spec", "")
 
 
 def _check_together(fleet: Fleet) -> None:

@@ -14,8 +14,9 @@ from unitylink.spec.model import Spec
 from unitylink.zenoh.spec_files import pack_spec, unpack_spec
 
 from .description import Fleet, FleetRobot
+from .reader import own_spec
 
-_COPIED = "sim"  # the links with a spec of their own that run from a copy; `rtl:` may have sources beside it
+_COPIED = "sim"  # the links with a spec of their own that run from a copy; others have files beside it
 
 
 class SpecStore:
@@ -35,6 +36,8 @@ class SpecStore:
     def taken(self, robot: FleetRobot) -> tuple[str, str]:
         """Return the LINK and the spec file of a robot, as they are now, for its bridge.
 
+        The file is empty if the link brings its own.
+
         Raises FleetError if the spec has errors, or several boards and none is chosen.
         """
         _, copy = self._copy(robot)
@@ -42,8 +45,8 @@ class SpecStore:
         if kind == _COPIED:
             _, mark, query = rest.partition("?")
             return f"{kind}:{copy}{mark}{query}", str(copy)
-        if kind in ("rtl",):
-            return robot.link, str(self._fleet.place(robot.spec))
+        if own_spec(robot.link):
+            return robot.link, ""
         return robot.link, str(copy)
 
     def hash(self, robot: FleetRobot) -> str:

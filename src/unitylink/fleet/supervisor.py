@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import LinkBusy
+from unitylink.errors import LinkBusy, LinkNotFound
 
 from .bridge_process import BridgeProcess, Running
 from .description import ROBOT_PREFIX, Fleet, FleetRobot
@@ -45,7 +45,7 @@ class Supervisor:
         self._lock = threading.Lock()  # guards the processes
         with contextlib.ExitStack() as stack:
             self._specs = stack.enter_context(SpecStore(fleet))
-            self._router = stack.enter_context(fleet.router_network().opened()) if fleet.is_router else None
+            self._router = stack.enter_context(_router(fleet)) if fleet.is_router else None
             self._session: zenoh.Session = self._router or stack.enter_context(fleet.network().opened())
             self._refuse_second()
             told = self._session.declare_queryable(state_key(fleet.name), self._tell)
@@ -129,7 +129,7 @@ class Supervisor:
         """Return the words that start the bridge of a robot as described now. Raises FleetError."""
         fleet = self.fleet
         link, spec = self._specs.taken(robot)
-        words = ["bridge", "zenoh", link, spec, "--key", robot.key]
+        words = ["bridge", "zenoh", link, *([spec] if spec else []), "--key", robot.key]
         if robot.root:
             words += ["--root", robot.root]
         if fleet.security:
@@ -206,3 +206,12 @@ def state_key(fleet: str) -> str:
     No robot's key has an `@`, and no wildcard of Zenoh matches it.
     """
     return f"{fleet}/@fleet/state"
+
+
+def _router(fleet: Fleet) -> zenoh.Session:
+    try:
+        return fleet.router_network().opened()
+    except LinkNotFound as error:
+        raise LinkNotFound(
+            f"{error}; if another program runs this fleet, `unitylink fleet status {fleet.file}` shows it"
+        ) from None

@@ -88,6 +88,15 @@ def test_a_mistake_is_named_with_its_remedy(file: Path, old: str, new: str, mess
     assert str(caught.value).startswith(str(file))
 
 
+def test_a_bitstream_may_bring_its_spec_or_not(file: Path) -> None:
+    head, *_ = TWO.partition("[[robot]]")
+    robot = '[[robot]]\nname = "arm"\nlink = "bit:{}"\n'
+    for link, spec in (("arm.ul", "arm.ul"), ("arm.bin?spec=arm.ul", "arm.ul"), ("arm.bin", "arm.ul")):
+        assert parse_fleet(head + robot.format(link), file).robots[0].spec == spec
+    with pytest.raises(FleetError, match=r"there is no spec other\.ul"):
+        parse_fleet(head + robot.format("arm.bin?spec=other.ul"), file)
+
+
 def test_a_file_that_is_none(tmp_path: Path) -> None:
     with pytest.raises(
         FleetError, match=r"no\.toml: No such file or directory; a fleet is described in a file"

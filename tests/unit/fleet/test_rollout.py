@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import json
+import os
 import socket
+import tempfile
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -133,9 +136,24 @@ def test_what_needs_a_new_start_is_refused() -> None:
         rolled(Robots(), NEW, "arm9")
 
 
-def test_only_the_same_user_can_ask(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    file = tmp_path / "fleet.toml"
+@pytest.fixture
+def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with a short name, because the path of a socket has about 100 bytes at most."""
+    with tempfile.TemporaryDirectory(prefix="ul-") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        yield Path(folder)
+
+
+def test_a_path_that_is_too_long_for_a_socket(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path / ("x" * 100)))
+    assert socket_path(tmp_path / "fleet.toml").parent.name == f"unitylink-{os.getuid()}"
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / ("y" * 100)))
+    with pytest.raises(UnityLinkError, match="too long for a socket; set XDG_RUNTIME_DIR"):
+        socket_path(tmp_path / "fleet.toml")
+
+
+def test_only_the_same_user_can_ask(runtime: Path) -> None:
+    file = runtime / "fleet.toml"
     with pytest.raises(LinkNotFound, match="no program of this user runs the fleet of"):
         list(ask(file, {}))
 
@@ -157,6 +175,6 @@ def test_only_the_same_user_can_ask(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert json.loads(json.dumps(list(ask(file, {"update": []}))))[-1] == {"done": True}
     control.close()
     assert not socket_path(file).exists()
-    (tmp_path / "unitylink").chmod(0o755)
+    (runtime / "unitylink").chmod(0o755)
     with pytest.raises(UnityLinkError, match="is open to other users"):
         socket_path(file)
