@@ -14,7 +14,8 @@
  * Errors: every function returns a ul_status and never throws. ul_last_error and ul_last_error_text tell what failed
  * and why. They hold the last failure of the calling thread. UL_ARGUMENT: a required pointer is NULL, or the size of a
  * struct is unknown. Structs: each has a member `size`, so that it can grow. Set it to sizeof of the struct you were
- * compiled with.
+ * compiled with. A program and a library of different versions share the members that both know. Members that only the
+ * program knows are 0 when it gets them. If it sets one, it is refused with UL_ARGUMENT.
  */
 #ifndef UNITYLINK_H
 #define UNITYLINK_H
@@ -96,7 +97,7 @@ typedef struct {
       datalink_errors;
   uint64_t stale_replies, garbage_bytes, publishes, unclaimed_publishes, mismatched_publishes, overruns;
   uint64_t bytes_sent, bytes_received;
-  uint64_t posts, missing_publishes, sessions; /* framed protocol; left out if `size` ends before them */
+  uint64_t posts, missing_publishes, sessions; /* framed protocol */
   uint64_t restarts; /* framed: the device was reset, or another program used it: its outputs may differ from what was
                         written */
   uint64_t reconnections; /* reconnect=1: how often the line came back */

@@ -15,6 +15,33 @@ int abi_test(const char* url);
     }                     \
   } while (0)
 
+/* A program of a later version, whose structs have more members. */
+static int newer_program(ul_link* link) {
+  struct {
+    ul_configuration first;
+    uint64_t later[2];
+  } configuration;
+  struct {
+    ul_options first;
+    uint64_t later;
+  } options = {{sizeof options, -1, 1, 0, 0}, 0};
+  uint32_t value = 0;
+
+  memset(&configuration, 0xFF, sizeof configuration);
+  configuration.first.size = sizeof configuration;
+  EXPECT(ul_get_configuration(link, &configuration.first) == UL_OK);
+  EXPECT(configuration.first.size == sizeof configuration && configuration.first.base_hz == 1000);
+  EXPECT(configuration.later[0] == 0 && configuration.later[1] == 0);
+  configuration.first.size = 0xFFFFFFFF; /* a struct that was not filled in */
+  EXPECT(ul_get_configuration(link, &configuration.first) == UL_ARGUMENT);
+
+  EXPECT(ul_read(link, 0x10, &value, &options.first) == UL_OK);
+  options.later = 1; /* it asks for what this library does not have */
+  EXPECT(ul_read(link, 0x10, &value, &options.first) == UL_ARGUMENT);
+  EXPECT(strstr(ul_last_error_text(), "only a newer library has") != NULL);
+  return 0;
+}
+
 int abi_test(const char* url) {
   ul_link* link = NULL;
   ul_configuration configuration = {sizeof configuration, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -35,6 +62,11 @@ int abi_test(const char* url) {
   EXPECT(configuration.address_bytes == 1 && configuration.data_bytes == 4 && configuration.base_hz == 1000);
   configuration.size = 3;
   EXPECT(ul_get_configuration(link, &configuration) == UL_ARGUMENT);
+
+  const int newer = newer_program(link);
+  if (newer != 0) {
+    return newer;
+  }
 
   EXPECT(ul_write_many(link, addresses, values, 3, &options) == UL_OK);
   EXPECT(ul_read(link, 0x12, &value, NULL) == UL_OK && value == 3);

@@ -6,6 +6,7 @@
 #include <new>
 #include <system_error>
 
+#include "abi/growing.hpp"
 #include "abi/last_failure.hpp"
 #include "layer2_message/link.hpp"
 #include "unitylink.h"
@@ -41,29 +42,25 @@ ul_status guarded(const Call& call) noexcept {
   }
 }
 
-// False: the caller's struct is larger than this version knows, or smaller than in the first version.
-template <class Struct>
-bool known(const Struct* given) {
-  return given != nullptr && given->size == sizeof(Struct);
-}
-
 inline bool request_options(const ul_options* given, bool repeat, RequestOptions& options) {
   options.repeat = repeat;
   if (given == nullptr) {
     return true;
   }
-  if (!known(given)) {
+  ul_options wanted{};
+  if (!take(given, wanted)) {
     return false;
   }
-  if (given->checked >= 0) {
-    options.checked = given->checked != 0;
+  if (wanted.checked >= 0) {
+    options.checked = wanted.checked != 0;
   }
-  options.repeat = given->repeat != 0;
-  options.timeout_ns = given->timeout_ns;
+  options.repeat = wanted.repeat != 0;
+  options.timeout_ns = wanted.timeout_ns;
   return true;
 }
 
 inline constexpr const char* null_pointer = "a required pointer is NULL";
-inline constexpr const char* unknown_size = "a struct is NULL or its size field is not sizeof of the struct";
+inline constexpr const char* unknown_size =
+    "a struct is NULL, its size field is not sizeof of the struct, or it asks for what only a newer library has";
 
 }  // namespace unitylink::abi

@@ -2,8 +2,6 @@
 // The C ABI, made of unitylink::Link. No exception leaves this file.
 #include "unitylink.h"
 
-#include <cstddef>
-#include <cstring>
 #include <string>
 
 #include "abi/calls.hpp"
@@ -46,8 +44,7 @@ ul_status ul_last_error(ul_error* error) {
   if (!known(error)) {
     return bad_argument(unknown_size);
   }
-  *error = last_failure.error();
-  error->size = sizeof(ul_error);
+  give(error, last_failure.error());
   return UL_OK;
 }
 
@@ -83,31 +80,19 @@ ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration) {
     return bad_argument(unknown_size);
   }
   const Configuration& has = link->link->configuration();
-  *configuration = {sizeof(ul_configuration),
-                    has.address_bytes,
-                    has.data_bytes,
-                    has.read_many,
-                    has.publish_mode,
-                    has.groups,
-                    has.group_size,
-                    link->link->usable_group_size(),
-                    has.rate_bytes,
-                    has.discovered ? 1u : 0u,
-                    has.base_hz};
+  give(configuration, ul_configuration{0, has.address_bytes, has.data_bytes, has.read_many, has.publish_mode,
+                                       has.groups, has.group_size, link->link->usable_group_size(), has.rate_bytes,
+                                       has.discovered ? 1u : 0u, has.base_hz});
   return UL_OK;
 }
 
 ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
-  // the sizes of this struct in earlier versions
-  constexpr std::uint32_t before_frames = offsetof(ul_statistics, posts);
-  constexpr std::uint32_t before_reconnect = offsetof(ul_statistics, restarts);
-  if (link == nullptr || statistics == nullptr ||
-      (statistics->size != before_frames && statistics->size != before_reconnect && !known(statistics))) {
+  if (link == nullptr || !known(statistics)) {
     return bad_argument(unknown_size);
   }
   return guarded([&] {
     const Statistics has = link->link->statistics();
-    const ul_statistics all = {statistics->size,
+    const ul_statistics all = {0,
                                0,
                                has.requests,
                                has.replies,
@@ -131,7 +116,7 @@ ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
                                has.sessions,
                                has.restarts,
                                has.reconnections};
-    std::memcpy(statistics, &all, statistics->size);
+    give(statistics, all);
     return ul_status{UL_OK};
   });
 }
@@ -334,12 +319,14 @@ void ul_alive(ul_link* link) {
 
 ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
                        uint32_t* subscription) {
-  if (link == nullptr || addresses == nullptr || subscription == nullptr || !known(options)) {
-    return bad_argument(known(options) ? null_pointer : unknown_size);
+  ul_subscription_options wanted{};
+  const bool taken = take(options, wanted);
+  if (link == nullptr || addresses == nullptr || subscription == nullptr || !taken) {
+    return bad_argument(taken ? null_pointer : unknown_size);
   }
   return guarded([&] {
     const SubscriptionRequest request{
-        {addresses, count}, options->divisor, options->on_event != 0, options->verify != 0, options->ring};
+        {addresses, count}, wanted.divisor, wanted.on_event != 0, wanted.verify != 0, wanted.ring};
     return told(link->link->subscribe(request, *subscription));
   });
 }
