@@ -15,6 +15,8 @@ from unitylink.boards import read_report as report_of
 from unitylink.boards.fit import settings_of
 from unitylink.commands.value_text import parse_value
 from unitylink.connection.schemes import SCHEMES
+from unitylink.fleet.reader import read_fleet
+from unitylink.fleet.security import security_files
 from unitylink.generate import ARTEFACTS, generate
 from unitylink.spec import compile_text
 from unitylink.values import Codec, Quantity
@@ -47,6 +49,23 @@ def imports(_: Path) -> list[bytes]:
 def read_import(data: bytes, folder: Path) -> None:
     (folder / "x.rdl").write_bytes(data)
     command(["import", "x.rdl"], folder)
+
+
+def fleets(folder: Path) -> list[bytes]:
+    robots = (
+        '[[robot]]\nname = "a"\nlink = "sim:x.ul?root=arm"\n[[robot]]\nname = "b"\nlink = "tcp://lab:5555"\n'
+    )
+    more = (
+        'key = "hall/b"\nspec = "x.ul"\nmay = ["read", "write j1.*"]\nwriters = ["ana"]\nreaders = ["ben"]\n'
+    )
+    return [f'[fleet]\nname = "lab"\nrouter = "tls/127.0.0.1:7447"\nanyone = true\n{robots}{more}'.encode()]
+
+
+def read_fleet_text(data: bytes, folder: Path) -> None:
+    (folder / "x.ul").write_text(_LAMP)
+    (folder / "fleet.toml").write_bytes(data)
+    with allowed():
+        security_files(read_fleet(folder / "fleet.toml"), "secrets")
 
 
 def configurations(_: Path) -> list[bytes]:

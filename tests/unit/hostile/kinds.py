@@ -111,6 +111,14 @@ KINDS = (
         text=True,
     ),
     Kind(
+        "fleet",
+        texts.fleets,
+        texts.read_fleet_text,
+        2,
+        [*_TEXT, b"[[robot]]", b"[fleet]", b"*", b"/", b" = ", b"\n"],
+        text=True,
+    ),
+    Kind(
         "import",
         texts.imports,
         texts.read_import,
