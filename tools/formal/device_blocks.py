@@ -103,4 +103,45 @@ DEVICE_BLOCKS = (
             ),
         ),
     ),
+    Block(
+        "ws2812",
+        "`components/ws2812`, the line, one LED with three colours, a clock of 8 MHz, a pause of 25 us",
+        depth=0,
+        deep=30,
+        induction=3,
+        by_abc=True,
+        reach=280,
+        seen={
+            name: f"dut.{name}"
+            for name in (
+                "found",
+                "place",
+                "fetch",
+                "fetches",
+                "fetched",
+                "ack",
+                "err",
+                "on_now",
+                "sending",
+                "quiet",
+                "clocks",
+                "left",
+                "ahead",
+                "shift",
+            )
+        },
+        loose=("dut.found",),
+        not_proven="the colours in the memory and the event `sent`; other numbers of LEDs and clocks",
+        mutants=(
+            Mutant("ws2812.vhd", "quiet   <= '1';\n        clocks", "quiet   <= '0';\n        clocks"),
+            Mutant(
+                "ws2812.vhd",
+                "(clocks = zero_clocks and shift(shift'high) = '0')",
+                "(clocks = zero_clocks and shift(0) = '0')",
+            ),
+            Mutant("ws2812.vhd", "if ahead = end_place + pause then", "if ahead = end_place then"),
+            Mutant("ws2812.vhd", "if ahead = end_place then", "if ahead = end_place + 1 then"),
+            Mutant("ws2812.vhd", "shift <= found and (colour_t'range => on_now);", "shift <= found;"),
+        ),
+    ),
 )
