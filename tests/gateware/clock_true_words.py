@@ -73,6 +73,11 @@ SERVO_BUS = {8 * n: (0, 1, 1, 2, 2, 2, 3) for n in range(2)} | {
     16: (1, *[3] * 20, 0),
     24: (*[1] * 20, 0),
 }
+COMPARE = {
+    0: (*[1] * 5, *[3] * 5, 5, 7, 0),
+    1: (0, 90, 1 << 12, -90 & 0xFFFFFFFF),
+    2: (0, 0, 1 << 9, 1 << 13, 1 << 28),
+}
 PULSES = {0: (0, 7, 0xFFFFFFFE), 1: (*[0] * 20, 1)}
 # Frequencies, widths and bursts of a generator: most of its time it runs.
 GENERATOR = {

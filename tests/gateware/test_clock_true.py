@@ -16,6 +16,7 @@ from gateware.clock_true_serial import SERIAL_CASES
 from gateware.clock_true_words import (
     ABSOLUTE_ENCODER,
     CHECKED,
+    COMPARE,
     FOC,
     FOC_START,
     FOC_WIRES,
@@ -294,6 +295,15 @@ CASES = {
         Case("maximum_hz=500000, time_hz=500000, filter_ns=800", GENERATOR, 200, 900, still=(1,)),
         Case("maximum_hz=575000, time_hz=2300000, active_level=0, filter_ns=0", GENERATOR, 90, 4000, rest=0),
         Case("maximum_hz=20000, time_hz=1000, filter_ns=0", GENERATOR, 90, 3000, still=(1,)),
+    ),
+    "position_compare": (
+        Case("position=from.position, pulse_ns=2000", COMPARE, 90, outside=random_wires(1, 60)),
+        Case(
+            "position=from.position, pulse_ns=9000, active_level=0",
+            COMPARE,
+            pause=2000,
+            outside=random_wires(1, 90, lost=0.1),
+        ),
     ),
     "quadrature_encoder": (
         Case("filter_ns=800, with_index=1, with_stamps=1", {3: (0,)}, wait=34),

@@ -262,6 +262,11 @@ def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int, extr
     )
 
 
+@pytest.mark.parametrize(("active_level", "seed"), [(1, 1), (0, 2)])
+def test_position_compare(ghdl: Any, active_level: int, seed: int) -> None:
+    ghdl.run("position_compare_tb", active_level=active_level, seed=seed)
+
+
 def test_quadrature_encoder_velocity(ghdl: Any) -> None:
     ghdl.run("quadrature_encoder_velocity_tb")
 

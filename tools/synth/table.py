@@ -140,7 +140,6 @@ ROWS = (
         top="hello_led_top",
         example="hello_led",
     ),
-    # Placed once.
     Row(
         "hello_led_framed",
         "the same, framed",
@@ -166,7 +165,6 @@ ROWS = (
         top="servo_top",
         example="servo",
     ),
-    # Placed once.
     Row(
         "scara",
         "a complete design, framed: the SCARA of the paper with its TosNet, placed once (examples/scara)",
@@ -255,6 +253,13 @@ ROWS = (
         cells_most=160,
         mhz_least=50.0,
         memories_most=4,
+    ),
+    Row(
+        "position_compare",
+        "a component: a pulse at each place of a row of positions",
+        top="position_compare",
+        mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "pulse_counter",

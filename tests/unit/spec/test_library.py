@@ -114,6 +114,7 @@ GENERIC = re.compile(r"^ +(\w+) +:", re.MULTILINE)
 def test_library_agrees_with_the_vhdl(name: str) -> None:
     ends = {
         "pid": "shaft.position, motor.duty",
+        "position_compare": "shaft.position",
         "foc": "shaft.position, shaft.position, shaft.position, bridge.duty[0], bridge.duty[1], "
         "bridge.duty[2], pole_pairs=7, angle_bits=14",
         "motion_profile": "shaft.position, loop.target, loop.target_velocity, loop.target_acceleration",
