@@ -2,14 +2,14 @@
 --
 -- Properties of the framed application with its program. z3 sends any frames, one after the other. The bus answers in
 -- any way, and the transmitter stalls at any time. Address and data have 8 bits. There are no lists and no groups.
+-- The dead-man is in any state, and denies writes at any time.
 --
 -- The state memory of the application is left out. A word of it has any value at each look, except for its constants.
 -- So a loaded epoch has any value, a session may be open at power-up, and what goes through the memory may end
 -- anywhere.
 --
 -- The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at any time.
--- Instructions come from the positions that the sequencer decides. frame_sequencer_formal proves that they are the
--- same.
+-- frame_sequencer_formal proves that instructions come from the positions that the sequencer decides.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -17,6 +17,7 @@ library ieee;
 
 use work.bii_pkg.all;
 use work.bit_pkg.all;
+use work.dead_man_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
@@ -40,6 +41,7 @@ entity frame_application_formal is
     reply_ready     : in std_ulogic;
     reply_idle      : in std_ulogic;
     response        : in bii_response_t;
+    dead_man        : in dead_man_response_t;
     -- Observed signals of the design.
     instruction     : in frame_instruction_t;
     finishes        : in std_ulogic;
@@ -63,7 +65,7 @@ entity frame_application_formal is
     word_index      : in unsigned(7 downto 0);
     remember        : in std_ulogic;
     found           : in word32_t;                -- `data` of the design
-    over, failed, silent_bus : in std_ulogic;     -- its access
+    over, failed, silent_bus, denied_write : in std_ulogic;  -- its access
     status_out      : in std_ulogic_vector(3 downto 0);
     -- Signals of parts that are left out. They have any value that the assumptions allow.
     word            : in word32_t;
@@ -79,7 +81,7 @@ architecture properties of frame_application_formal is
     address_width => 8, data_width => 8, address_bytes => 1, data_bytes => 1, clock_hz => 4, base_hz => 1, groups => 0,
     group_size => 0, rate_bytes => 1, exchanges => 0, exchange_size => 0, window => 2,
     cache_bytes => frame_cache_bytes_default_c, request_max => 250, reply_max => 250, credit => 512, classic => false,
-    lists => false, deadman => false, gateware_version => x"00000000", build => x"00000000",
+    lists => false, deadman => true, gateware_version => x"00000000", build => x"00000000",
     spec_hash => x"0000000000000000");
 
   constant content : word_memory_t := memory_content(settings);
@@ -94,14 +96,15 @@ architecture properties of frame_application_formal is
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
 
   signal request : frame_request_t;
-  signal stands  : std_ulogic := '0';
-  signal taken   : unsigned(3 downto 0) := (others => '0');
-  signal length  : unsigned(3 downto 0) := (others => '0');
+  signal stands  : std_ulogic;
+  signal taken, length : unsigned(3 downto 0);
   signal take, rewind, request_done, wants, busy : std_ulogic;
   signal reply   : frame_reply_t;
   signal epoch, epoch_before : crc16_t;
   signal in_session : std_ulogic;
   signal bii     : bii_request_t;
+  signal answer  : bii_response_t;
+  signal dead_man_request : dead_man_request_t;
 
   signal verdict_before : std_ulogic_vector(1 downto 0) := (others => '0');
   signal begins_before, loads_before : std_ulogic := '0';
@@ -118,7 +121,7 @@ architecture properties of frame_application_formal is
   signal given     : std_ulogic := '0';             -- the kind of the payload in hand was sent
   signal begun_payload : std_ulogic := '0';         -- and some of its bytes were
   signal accesses  : natural range 0 to 2 := 0;
-  signal trouble   : natural range 0 to 2 := 0;     -- its access: 1 failed, 2 had no answer
+  signal trouble   : natural range 0 to 3 := 0;     -- its access: 1 failed, 2 had no answer, 3 was denied
   signal memories  : natural range 0 to 2 := 0;     -- how often its id was remembered
   signal remembered : std_ulogic_vector(3 downto 0) := "0000";
   signal judgements : natural range 0 to 3 := 0;    -- how often the cache was asked
@@ -128,6 +131,7 @@ architecture properties of frame_application_formal is
   signal id_before, id_then : std_ulogic_vector(15 downto 0) := (others => '0');
   signal forgot    : std_ulogic := '0';             -- the work has made the cache forget a place
   signal after_reset : std_ulogic := '1';           -- the clock before was the last one of a reset
+  signal commanded : std_ulogic;                    -- the dead-man was started, stopped or armed
   signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
   signal accessed  : std_ulogic;                    -- a request with an id has ended, and opened the bus
   signal told_truly : std_ulogic;                   -- what was remembered is what was said and what the bus said
@@ -148,10 +152,14 @@ begin
     port map (
       clock => clk, reset => reset, request => request, take => take, rewind => rewind, request_done => request_done,
       reply => reply, reply_ready => reply_ready, reply_idle => reply_idle, epoch => epoch, may_begin => may_begin,
-      wants => wants, busy => busy, receive_overrun => receive_overrun, bii_request => bii, bii_response => response);
+      wants => wants, busy => busy, receive_overrun => receive_overrun, dead_man_request => dead_man_request,
+      dead_man_response => dead_man, bii_request => bii, bii_response => response);
 
-  bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => response);
+  bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => answer);
 
+  -- To a user of the bus `denied` is an answer like `error`.
+  answer     <= (done => response.done, data => response.data, status => error) when response.status = denied else
+                response;
   fetched    <= program(to_integer(position_ahead));
   executed   <= program(to_integer(position_now)) when idle = '0' else nothing_done;
   in_session <= nand epoch(15 downto 8);
@@ -169,36 +177,13 @@ begin
   told_truly <= to_bit(memories = 1 and remembered = kind(3 downto 0) and
                        to_integer(unsigned(remembered)) = trouble);
 
-  request.valid   <= stands;
-  request.data    <= data;
-  request.left    <= resize(length - taken, 8);
-  request.length  <= resize(length, 8);
-  request.missing <= to_bit(length = taken);
+  request_side : entity work.frame_arrivals
+    port map (
+      clk => clk, reset => reset, begun => begun, arrives => arrives, entry_in => entry_in, chained_in => chained_in,
+      barrier_in => barrier_in, length_in => length_in, data => data, in_session => in_session, take => take,
+      rewind => rewind, done => request_done, request => request, length => length, taken => taken);
 
-  -- Requests as frame_receiver passes them on.
-  requests : process (clk) is
-  begin
-    if rising_edge(clk) then
-      begun       <= '1';
-      after_reset <= reset;
-      if request_done = '1' or rewind = '1' then
-        taken <= (others => '0');
-      elsif take = '1' and length /= taken then
-        taken <= taken + 1;
-      end if;
-      if stands = '0' or request_done = '1' then
-        stands          <= arrives;
-        taken           <= (others => '0');
-        request.entry   <= entry_in;
-        request.chained <= chained_in;
-        request.barrier <= barrier_in;
-        length          <= length_in;
-      end if;
-      if reset = '1' then
-        stands <= '0';
-      end if;
-    end if;
-  end process;
+  stands <= request.valid;
 
   -- Which word the memory reads, and what the cache has said of the id in work.
   note_before : process (clk) is
@@ -206,6 +191,8 @@ begin
     if rising_edge(clk) then
       looked_at_next <= to_integer(word_index);
       looked_at      <= looked_at_next;
+      begun          <= '1';
+      after_reset    <= reset;
       verdict_before <= fresh & repeated;
       begins_before  <= begins;
       loads_before   <= reset or (finishes and to_bit(instruction(special_f) = load_epoch));
@@ -258,6 +245,8 @@ begin
           trouble <= 1;
         elsif response.status = silent then
           trouble <= 2;
+        elsif response.status = denied then
+          trouble <= 3;
         end if;
       end if;
       if judges = '1' and judgements < 3 then
@@ -316,13 +305,19 @@ begin
       idle => idle, busy => busy, first_clock => first_clock, jump => jump, begins => begins, turns => turns,
       sees_missing => sees_missing, sees_not_new => sees_not_new, sees_failed => sees_failed, jump_kept => jump_kept,
       marks => marks, stands => stands, waiting => request.entry, had_id => had_id, length => length, taken => taken,
-      chosen => entry_now, entry => entry, frame => frame, routine => routine, dones => dones,
-      in_session => in_session, bus_open => bii.valid, over => over, failed => failed, silent_bus => silent_bus,
-      accesses => accesses, trouble => trouble, data => found, word_index => word_index, looked_at => looked_at,
-      looked_at_next => looked_at_next, kinds => kinds, kind => kind, given => given, begun_payload => begun_payload,
-      reply_idle => reply_idle, fresh => fresh, repeated => repeated, memories => memories, judgements => judgements,
-      judged => judged, judged_id => judged_id, id => id, id_before => id_before, id_then => id_then,
-      forgot => forgot, other => other, other_before => other_before);
+      chosen => entry_now, entry => entry, frame => frame, routine => routine, dones => dones, in_session => in_session,
+      bus_open => bii.valid, over => over, failed => failed, silent_bus => silent_bus, denied_write => denied_write,
+      tripped => dead_man.tripped, commanded => commanded, accesses => accesses, trouble => trouble, data => found,
+      word_index => word_index, looked_at => looked_at, looked_at_next => looked_at_next, kinds => kinds, kind => kind,
+      given => given, begun_payload => begun_payload, reply_idle => reply_idle, fresh => fresh, repeated => repeated,
+      memories => memories, judgements => judgements, judged => judged, judged_id => judged_id, id => id,
+      id_before => id_before, id_then => id_then, forgot => forgot, other => other, other_before => other_before);
+
+  commands : entity work.frame_commands
+    port map (
+      clk => clk, reset => reset, begun => begun, request => dead_man_request, tripped => dead_man.tripped,
+      begins => begins, at_rest => at_rest, in_session => in_session, fresh => fresh, frame => frame, entry => entry,
+      dones => dones, memories => memories, remembered => remembered, commanded => commanded);
 
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
@@ -331,19 +326,20 @@ begin
   constants_are : assume always holds(looked_at < constants_t'low or
                                       looked_at > constants_t'high or word = content(looked_at));
 
-  -- The cache gives the same verdict on an id while it is in work. The verdict is never both new and repeated. The
-  -- proof of reply_cache asserts this until something is remembered or forgotten. judged_in_time: this is later.
+  -- The cache gives the same verdict on an id while it is in work, and never both new and repeated. The proof of
+  -- reply_cache asserts this until something is remembered or forgotten. By judged_in_time, that comes later.
   verdict_stands : assume always holds((fresh and repeated) = '0' and (begins_before = '1' or begun = '0' or
                    verdict_before = fresh & repeated));
 
   -- An epoch stays the same until another one is loaded. A session may be open at power-up.
   epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
 
-  -- The receiver passes on only what it may. Requests come only in a session, and dropped frames have no payload.
-  frames_are_frames : assume always arrives = '1' ->
-                      holds(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
-                            (unsigned(entry_in) > 15 or in_session = '1') and
-                            (unsigned(entry_in) < entry_check or length_in = 0));
+  -- The dead-man denies only writes. Its proof says so (answered_by_the_bus).
+  writes_are_denied : assume always response.done = '1' and response.status = denied -> bii.write = '1';
+
+  -- Only `arm` ends a trip (trip_stays).
+  trip_stands : assume always dead_man.tripped = '1' and dead_man_request.arm = '0' and reset = '0' ->
+                next (dead_man.tripped = '1');
 
   -- The transmitter stays idle until it gets something to send.
   idle_stands : assume always reply_idle = '1' and (reply.kind or reply.put or reply.finish) = '0' and reset = '0' ->
@@ -414,7 +410,12 @@ begin
   executed_is_remembered : assert always begun = '1' and accessed = '1' and trouble = 0 -> told_truly = '1';
 
   -- An access that the bus refused or did not answer is remembered with that status, too.
-  failure_is_remembered : assert always begun = '1' and accessed = '1' and trouble /= 0 -> told_truly = '1';
+  failure_is_remembered : assert always begun = '1' and accessed = '1' and (trouble = 1 or trouble = 2) ->
+                          told_truly = '1';
+
+  -- A WRITE that the dead-man denied is not remembered. Its answer says that it was denied.
+  denied_is_told : assert always begun = '1' and accessed = '1' and trouble = 3 ->
+                   memories = 0 and kinds = 1 and unsigned(kind(3 downto 0)) = reply_status_denied_c;
 
   -- A READ or WRITE that is remembered was executed.
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and

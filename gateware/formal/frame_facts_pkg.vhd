@@ -15,59 +15,50 @@ use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
+use work.frame_works_pkg.all;
 use work.protocol_pkg.all;
 
 package frame_facts_pkg is
 
-  -- Each bit says that something may be so. What may not be so is the fact.
-  subtype facts_t is std_ulogic_vector(37 downto 0);
-
-  -- The work in hand.
-  constant work_none    : natural := 0;  -- no frame
-  constant work_hello   : natural := 1;
-  constant work_open    : natural := 2;
-  constant work_session : natural := 3;  -- a frame without a session
-  constant work_post    : natural := 4;
-  constant work_dropped : natural := 5;
-  constant work_read    : natural := 6;  -- this and what follows are requests with an id
-  constant work_write   : natural := 7;
-  constant work_close   : natural := 8;
-  constant work_control : natural := 9;   -- READ_CONTROL, WRITE_CONTROL or SYNC
-  constant work_other   : natural := 10;  -- no request that this core knows
+  -- Each bit says that something may be so. What may not be so is the fact. The first bits are the works of
+  -- frame_works_pkg.
+  subtype facts_t is std_ulogic_vector(40 downto 0);
 
   -- The id.
-  constant first        : natural := 11;  -- mark_repeated is not set
-  constant repeats      : natural := 12;  -- it is set
-  constant judged_once  : natural := 13;  -- the cache was asked, and mark_repeated is not set
-  constant judged_twice : natural := 14;
-  constant judged_more  : natural := 15;
-  constant unjudged     : natural := 16;  -- the cache has not called this id new, and mark_repeated is not set
-  constant is_new       : natural := 17;  -- it is a request with an id, which is new
-  constant is_repeated  : natural := 18;
-  constant is_stale     : natural := 19;  -- neither
-  constant is_long      : natural := 20;  -- it is a request with an id, and has both bytes of it
-  constant taken_some   : natural := 21;  -- the next byte is not the first one
+  constant first        : natural := 12;  -- mark_repeated is not set
+  constant repeats      : natural := 13;  -- it is set
+  constant judged_once  : natural := 14;  -- the cache was asked, and mark_repeated is not set
+  constant judged_twice : natural := 15;
+  constant judged_more  : natural := 16;
+  constant unjudged     : natural := 17;  -- the cache has not called this id new, and mark_repeated is not set
+  constant is_new       : natural := 18;  -- it is a request with an id, which is new
+  constant is_repeated  : natural := 19;
+  constant is_stale     : natural := 20;  -- neither
+  constant is_long      : natural := 21;  -- it is a request with an id, and has both bytes of it
+  constant taken_some   : natural := 22;  -- the next byte is not the first one
 
   -- The bus.
-  constant untouched    : natural := 22;  -- there was no access
-  constant on_bus       : natural := 23;  -- there is one, or its end was not seen yet
-  constant touched      : natural := 24;  -- there was one
-  constant failing      : natural := 25;  -- there was an access, and it failed
-  constant succeeding   : natural := 26;  -- there was an access, and it did not fail
-  constant unopened     : natural := 27;  -- it is a READ or WRITE without an access
-  constant untold       : natural := 28;  -- a request with an id had an access, and `data` is not its status
+  constant untouched    : natural := 23;  -- there was no access
+  constant on_bus       : natural := 24;  -- there is one, or its end was not seen yet
+  constant touched      : natural := 25;  -- there was one
+  constant failing      : natural := 26;  -- there was an access, and the bus refused it or did not answer
+  constant denying      : natural := 39;  -- there was a write, and the dead-man denied it
+  constant succeeding   : natural := 27;  -- there was an access, and it went well
+  constant unopened     : natural := 28;  -- it is a READ or WRITE without an access
+  constant untold       : natural := 29;  -- a request with an id had an access, and `data` is not its status
 
   -- The answer.
-  constant unsaid       : natural := 29;  -- there is none
-  constant unanswered   : natural := 37;  -- there is none, and it is a request with an id
-  constant said         : natural := 30;  -- it has begun
-  constant ended        : natural := 31;  -- it has ended
-  constant untrue       : natural := 32;  -- there was an access, and the status of the answer is another one
-  constant sending      : natural := 33;  -- the transmitter is not idle
-  constant new_epoch       : natural := 34;  -- the epoch was loaded
+  constant unsaid       : natural := 30;  -- there is none
+  constant unanswered   : natural := 38;  -- there is none, and it is a request with an id
+  constant said         : natural := 31;  -- it has begun
+  constant ended        : natural := 32;  -- it has ended
+  constant untrue       : natural := 33;  -- there was an access, and the status of the answer is another one
+  constant sending      : natural := 34;  -- the transmitter is not idle
+  constant has_command  : natural := 40;  -- the dead-man was started, stopped or armed
+  constant new_epoch       : natural := 35;  -- the epoch was loaded
 
-  constant in_routine   : natural := 35;
-  constant returned_to  : natural := 36;  -- a routine returns to this place
+  constant in_routine   : natural := 36;
+  constant returned_to  : natural := 37;  -- a routine returns to this place
 
   type facts_table_t is array (0 to 255) of facts_t;
 
@@ -88,16 +79,6 @@ package frame_facts_pkg is
 
   function effects_of(program : frame_program_t) return effects_table_t;
 
-  -- Work begins with this entry, in a core without lists, groups and dead-man. It is a request with an id.
-  function begins_work(entry : natural) return boolean;
-  function has_id(entry : natural) return boolean;
-
-  -- Which of the works it is.
-  function work_of(entry : natural) return natural;
-
-  -- The entry in the program for a frame: most requests have the same one (frame_dispatcher).
-  function place_of(entry : natural) return natural;
-
   -- The condition never holds, because the core lacks what it is about.
   function is_dead(condition : natural) return boolean;
 
@@ -105,55 +86,11 @@ end package;
 
 package body frame_facts_pkg is
 
-  subtype works_t is natural range work_none to work_other;
-
   constant verdicts : facts_t := (is_new | is_repeated | is_stale => '1', others => '0');
-
-  function has_id(entry : natural) return boolean is
-  begin
-    return entry > 1 and entry < 15 and entry /= request_kind_post_c mod 16 and
-           entry /= request_kind_post_list_c mod 16;
-  end function;
-
-  function work_of(entry : natural) return natural is
-  begin
-    case entry is
-      when request_kind_read_c mod 16  => return work_read;
-      when request_kind_write_c mod 16 => return work_write;
-      when request_kind_post_c mod 16  => return work_post;
-      when request_kind_close_c mod 16 => return work_close;
-      when request_kind_read_control_c mod 16 | request_kind_write_control_c mod 16 | request_kind_sync_c mod 16 =>
-        return work_control;
-      when entry_hello                 => return work_hello;
-      when entry_open                  => return work_open;
-      when entry_session               => return work_session;
-      when others                      => null;
-    end case;
-    if has_id(entry) then
-      return work_other;
-    elsif entry < entry_trip then
-      return work_dropped;
-    end if;
-    return work_none;
-  end function;
-
-  function place_of(entry : natural) return natural is
-  begin
-    if has_id(entry) and entry /= request_kind_read_c mod 16 and entry /= request_kind_write_c mod 16 then
-      return entry_unknown;
-    end if;
-    return entry;
-  end function;
-
-  function begins_work(entry : natural) return boolean is
-  begin
-    return entry > 1 and entry /= 15 and (entry < entry_trip or entry = entry_half_turn or
-           entry = entry_receive_overrun);
-  end function;
 
   function is_dead(condition : natural) return boolean is
   begin
-    return condition = never or condition = if_denied or condition = if_top or condition = if_left_other or
+    return condition = never or condition = if_top or condition = if_left_other or
            condition = if_shape;
   end function;
 
@@ -173,6 +110,13 @@ package body frame_facts_pkg is
   begin
     return i(data_f) /= data_stays or i(take_f) = take_first or i(take_f) = take_data or i(source_f) = from_top or
            i(source_f) = from_word;
+  end function;
+
+  -- It starts, stops or arms the dead-man.
+  function commands(i : frame_instruction_t) return boolean is
+  begin
+    return i(special_f) = start_dead_man or
+           (i(special_f) = clear_flags and to_integer(unsigned(i(number_f))) mod 2 = flag_tripped);
   end function;
 
   -- What may be behind an instruction that goes on, or that jumps.
@@ -204,6 +148,13 @@ package body frame_facts_pkg is
         else
           f(is_repeated) := '0';
         end if;
+      when if_denied =>
+        if jumps then
+          f(failing)    := '0';
+          f(succeeding) := '0';
+        else
+          f(denying) := '0';
+        end if;
       when if_busy =>
         if not jumps and i(if_not) = '0' then
           f(sending) := '0';
@@ -227,6 +178,7 @@ package body frame_facts_pkg is
           f(succeeding) := '0';
         else
           f(failing) := '0';
+          f(denying) := '0';
         end if;
       end if;
     end if;
@@ -236,6 +188,7 @@ package body frame_facts_pkg is
       f(on_bus)     := '1';
       f(failing)    := '1';
       f(succeeding) := '1';
+      f(denying)    := i(do_write);
       f(untold)     := '1';
       f(untrue)     := f(said) or f(ended);
     end if;
@@ -249,7 +202,9 @@ package body frame_facts_pkg is
         if i(source_f) = from_other and number / 32 mod 2 = 1 then
           f(untrue) := f(untold);
         elsif i(source_f) = from_number and number mod 16 = reply_status_ok_c then
-          f(untrue) := f(failing);
+          f(untrue) := f(failing) or f(denying);
+        elsif i(source_f) = from_number and number mod 16 = reply_status_denied_c then
+          f(untrue) := f(failing) or f(succeeding);
         else
           f(untrue) := '1';
         end if;
@@ -262,7 +217,7 @@ package body frame_facts_pkg is
         f(ended) := f(ended) or f(said);
         f(said)  := '0';
       end if;
-      if tells_status(i) and f(succeeding) = '0' then
+      if tells_status(i) and (f(succeeding) or f(denying)) = '0' then
         f(untold) := '0';
       elsif changes_data(i) then
         f(untold) := f(touched) or f(on_bus);
@@ -278,6 +233,9 @@ package body frame_facts_pkg is
     end if;
     if i(take_f) = take_id then
       f(unjudged) := '1';
+    end if;
+    if commands(i) and not (jumps and condition = if_flag and number = flag_tripped) then
+      f(has_command) := '1';
     end if;
     if i(special_f) = load_epoch then
       f(new_epoch) := '1';
@@ -301,7 +259,8 @@ package body frame_facts_pkg is
       f(judged_more downto judged_once) := "000";
       f(unjudged) := '0';
     end if;
-    if (f(first) = '0' and f(repeats) = '0') or (or f(works_t'high downto works_t'low)) = '0' then
+    if (f(first) = '0' and f(repeats) = '0') or (or f(works_t'high downto works_t'low)) = '0' or
+        (f(untouched) or f(failing) or f(succeeding) or f(denying)) = '0' then
       f := (others => '0');
     end if;
     return f;
@@ -321,7 +280,7 @@ package body frame_facts_pkg is
       f(unanswered) := '0';
       f(untrue) := f(touched) or f(on_bus);
     end if;
-    if effects(will_tell) = '1' and f(succeeding) = '0' then
+    if effects(will_tell) = '1' and (f(succeeding) or f(denying)) = '0' then
       f(untold) := '0';
     elsif effects(will_change) = '1' then
       f(untold) := f(touched) or f(on_bus);

@@ -13,6 +13,7 @@ use work.frame_facts_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
+use work.frame_works_pkg.all;
 use work.protocol_pkg.all;
 
 entity frame_places is
@@ -42,7 +43,10 @@ entity frame_places is
     -- Its access.
     bus_open, over, failed, silent_bus : in std_ulogic;
     accesses        : in natural range 0 to 2;
-    trouble         : in natural range 0 to 2;
+    denied_write    : in std_ulogic;
+    tripped         : in std_ulogic;              -- the dead-man has
+    trouble         : in natural range 0 to 3;   -- 1: refused, 2: no answer, 3: denied
+    commanded       : in std_ulogic;              -- the dead-man was started, stopped or armed
     data            : in word32_t;
     word_index      : in unsigned(7 downto 0);
     looked_at, looked_at_next : in natural range 0 to 255;
@@ -73,6 +77,7 @@ architecture properties of frame_places is
   signal following : unsigned(7 downto 0);  -- what is fetched behind it, unless it jumps
   signal marked    : std_ulogic;            -- mark_repeated is set
   signal same_id   : std_ulogic;            -- the id is the one that was judged
+  signal status    : std_ulogic_vector(3 downto 0);  -- of the access
   signal starts    : std_ulogic;            -- nothing was executed since the reset
   signal waits     : std_ulogic;            -- a request waits, which needs a session
 
@@ -89,6 +94,8 @@ begin
   number    <= to_integer(unsigned(now(number_f)));
   place     <= place_ahead when idle = '1' else place_now;
   marked    <= or (marks and byte_t(to_unsigned(mark_repeated, 8)));
+  status    <= std_ulogic_vector(to_unsigned(reply_status_denied_c, 4)) when trouble = 3 else
+               std_ulogic_vector(to_unsigned(trouble, 4));
   starts    <= busy and idle and first_clock;
   waits     <= stands and to_bit(unsigned(waiting) < 16);
 
@@ -118,8 +125,8 @@ begin
       (marks and not byte_t(to_unsigned(mark_repeated, 8))) = x"00" and
       (stands = '0' or (unsigned(waiting) < entry_trip and begins_work(to_integer(unsigned(waiting))))) and
       (bus_open = '0' or over = '0') and
-      (accesses = 0 or (to_bit(trouble /= 0) = failed and to_bit(trouble = 2) = silent_bus)) and accesses < 2 and
-      trouble <= 2 and
+      (accesses = 0 or (to_bit(trouble /= 0) = failed and to_bit(trouble = 2) = silent_bus and
+                        to_bit(trouble = 3) = denied_write)) and accesses < 2 and
       (begun_payload = '0' or given = '1'));
   end process;
 
@@ -128,7 +135,8 @@ begin
     works_true <= '1';
     if busy = '1' then
       works_true <= to_bit(dones = 0 and memories = 0 and judgements <= 2 and
-                           (marked = '0' or (accesses = 0 and bus_open = '0')) and
+                           (marked = '0' or (accesses = 0 and bus_open = '0' and commanded = '0')) and
+                           (judged = '0' or fresh = '1') and
                            (frame = '0' or (stands = '1' and unsigned(waiting) = entry and
                                             had_id = to_bit(length >= 2))));
       if starts = '1' then
@@ -163,6 +171,10 @@ begin
           ok := ok and jump_kept = '0';
         elsif condition = if_mark then
           ok := ok and jump = (or (marks and now(number_f)));
+        elsif condition = if_flag and number = flag_tripped then
+          ok := ok and (jump = '0' or tripped = '1');
+        elsif condition = if_denied then
+          ok := ok and jump = denied_write;
         elsif condition = if_duplicate then
           ok := ok and jump = (repeated xor now(if_not));
         elsif condition = if_busy then
@@ -225,6 +237,7 @@ begin
              only_if(f(is_stale), with_id and (fresh or repeated) = '0') and
              only_if(f(is_long), with_id and had_id = '1') and
              only_if(f(taken_some), taken /= 0 and not (acts and now(take_f) /= take_nothing)) and
+             only_if(f(has_command), commanded = '1') and
              only_if(f(new_epoch), forgot = '1' or (waits = '1' and in_session = '0'));
     end function;
 
@@ -241,7 +254,8 @@ begin
       return (accesses = 0 or bus_open = '0') and
              only_if(f(untouched), accesses = 0 and bus_open = '0') and only_if(f(on_bus), bus_open = '1') and
              only_if(f(on_bus) or f(touched), accesses = 1) and
-             only_if(f(failing), accesses = 1 and trouble /= 0) and
+             only_if(f(failing), accesses = 1 and (trouble = 1 or trouble = 2)) and
+             only_if(f(denying), accesses = 1 and trouble = 3) and
              only_if(f(succeeding), accesses = 1 and trouble = 0) and
              only_if(f(unopened), opens and accesses = 0 and bus_open = '0');
     end function;
@@ -249,9 +263,9 @@ begin
     impure function status_is(f : facts_t; still : effects_t) return boolean is
     begin
       return only_if(f(untold) or still(will_tell), with_id and accesses = 1 and
-                                                    unsigned(data(3 downto 0)) /= trouble) and
+                                                    data(3 downto 0) /= status) and
              only_if(f(untrue), accesses = 1 and (still(will_say) = '1' or
-                                                  (kinds /= 0 and unsigned(kind(3 downto 0)) /= trouble)));
+                                                  (kinds /= 0 and kind(3 downto 0) /= status)));
     end function;
 
     impure function answer_is(f : facts_t; still : effects_t) return boolean is

@@ -323,13 +323,13 @@ BLOCKS = (
     ),
     Block(
         "frame_application",
-        "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
+        "`framed/frame_application` with its program, 8-bit address and data, dead-man, no lists and groups",
         depth=0,
         deep=6,
         induction=3,
         by_abc=True,
         guided={"reply_ready": 1, "may_begin": 1, "receive_overrun": 0},
-        reach=54,
+        reach=56,
         without=(
             ("frame_application", "memory"),
             ("frame_application", "cache"),
@@ -368,13 +368,14 @@ BLOCKS = (
             "over": "dut.access_done",
             "failed": "dut.failed",
             "silent_bus": "dut.silent_bus",
+            "denied_write": "dut.denied_write",
             "status_out": "dut.status_now",
             "word": "dut.word",
             "fresh": "dut.new_id",
             "repeated": "dut.repeated",
             "epoch_now": "dut.epoch_now",
         },
-        not_proven="that a task ends; lists, groups, the dead-man; words of the memory, such as an epoch",
+        not_proven="that a task ends; lists and groups; words of the memory, such as an epoch",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
@@ -401,6 +402,27 @@ BLOCKS = (
             # The epoch of a CLOSE ends while its answer is being sent.
             Mutant(
                 "frame_program_pkg.vhd", "put(p, nothing_done, if_busy, close_wait);", "put(p, nothing_done);"
+            ),
+            # What is armed is not remembered.
+            Mutant(
+                "frame_state_pkg.vhd",
+                "put(p, also(clear_flags, flag_tripped));\n        go_to(p, write_ok);",
+                "put(p, also(clear_flags, flag_tripped));\n        go_to(p, denied);",
+            ),
+            # A HELLO makes the dead-man trip. A frame without a session makes `arm` work.
+            Mutant(
+                "frame_application.vhd", "trip => sets and number_now(0)", "trip => sets and number_now(4)"
+            ),
+            Mutant(
+                "frame_application.vhd",
+                "renew => clears and number_now(3)",
+                "renew => clears and number_now(5)",
+            ),
+            # A denied WRITE is taken for one that the bus refused.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "put(p, nothing_done, if_denied, write_denied);",
+                "put(p, nothing_done);",
             ),
             Mutant("frame_application.vhd", "request_done <= finishes and", "request_done <= does and"),
             Mutant(

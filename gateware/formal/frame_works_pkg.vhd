@@ -1,0 +1,84 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The works of the framed application, as its proof tells them apart, and where the program has them.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+package frame_works_pkg is
+
+  constant work_none    : natural := 0;  -- no frame
+  constant work_hello   : natural := 1;
+  constant work_open    : natural := 2;
+  constant work_session : natural := 3;  -- a frame without a session
+  constant work_post    : natural := 4;
+  constant work_dropped : natural := 5;
+  constant work_read    : natural := 6;  -- this and what follows are requests with an id
+  constant work_write   : natural := 7;
+  constant work_close   : natural := 8;
+  constant work_control : natural := 9;   -- READ_CONTROL or SYNC
+  constant work_setting : natural := 10;  -- WRITE_CONTROL
+  constant work_other   : natural := 11;  -- no request that this core knows
+
+  subtype works_t is natural range work_none to work_other;
+
+  -- Work begins with this entry, in a core without lists and groups. It is a request with an id.
+  function begins_work(entry : natural) return boolean;
+  function has_id(entry : natural) return boolean;
+
+  -- Which of the works it is.
+  function work_of(entry : natural) return natural;
+
+  -- The entry in the program for a frame: most requests have the same one (frame_dispatcher).
+  function place_of(entry : natural) return natural;
+
+end package;
+
+package body frame_works_pkg is
+
+  function has_id(entry : natural) return boolean is
+  begin
+    return entry > 1 and entry < 15 and entry /= request_kind_post_c mod 16 and
+           entry /= request_kind_post_list_c mod 16;
+  end function;
+
+  function work_of(entry : natural) return natural is
+  begin
+    case entry is
+      when request_kind_read_c mod 16  => return work_read;
+      when request_kind_write_c mod 16 => return work_write;
+      when request_kind_post_c mod 16  => return work_post;
+      when request_kind_close_c mod 16 => return work_close;
+      when request_kind_read_control_c mod 16 | request_kind_sync_c mod 16 => return work_control;
+      when request_kind_write_control_c mod 16 => return work_setting;
+      when entry_hello                 => return work_hello;
+      when entry_open                  => return work_open;
+      when entry_session               => return work_session;
+      when others                      => null;
+    end case;
+    if has_id(entry) then
+      return work_other;
+    elsif entry < entry_trip then
+      return work_dropped;
+    end if;
+    return work_none;
+  end function;
+
+  function place_of(entry : natural) return natural is
+  begin
+    if has_id(entry) and entry /= request_kind_read_c mod 16 and entry /= request_kind_write_c mod 16 then
+      return entry_unknown;
+    end if;
+    return entry;
+  end function;
+
+  function begins_work(entry : natural) return boolean is
+  begin
+    return entry > 1 and entry /= 15 and (entry <= entry_trip or entry = entry_half_turn or
+           entry = entry_receive_overrun);
+  end function;
+
+end package body;
