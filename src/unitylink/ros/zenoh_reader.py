@@ -51,7 +51,7 @@ class ZenohReader:
             self._news.wait(_WAIT_S)
             self._news.clear()
             for name, kept, take in self._boxes:
-                while kept:
+                for _ in range(len(kept)):  # not what comes meanwhile: the other boxes have their turn
                     try:
                         take(kept.popleft())
                     except Exception:
