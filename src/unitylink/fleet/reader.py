@@ -13,11 +13,12 @@ link = "serial:/dev/ttyUSB0"
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeVar
-from urllib.parse import parse_qsl
+from urllib.parse import parse_qsl, urlencode
 
 from unitylink.connection import check_link
 from unitylink.connection.schemes import SCHEMES, scheme_of
@@ -36,6 +37,7 @@ else:
 
 T = TypeVar("T")
 ROBOTS_MOST = 10_000
+_WHICH_PORT = ("channel", "node", "offset")  # options of a link that choose a board
 # word: its type, and what that is called
 _COMMON: dict[str, tuple[type, str]] = {
     "spec": (str, "the file of a spec"),
@@ -66,7 +68,7 @@ def read_fleet(path: str | Path) -> Fleet:
     """Return the fleet that a file describes. Raises FleetError with the place and the remedy."""
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")  # editors of Windows put a mark in front
     except OSError as error:
         raise FleetError(
             f"{path}: {error.strerror or error}; a fleet is described in a file, see docs/fleet.md"
@@ -130,6 +132,8 @@ def _robot(entry: dict[str, Any], head: dict[str, Any], fleet: str, number: int,
     _key(key, f"{place}: key")
     both = {**head, **entry}
     may = tuple(both.get("may", RIGHTS))
+    if not may:
+        raise FleetError(f'{place}: may = [] allows nothing, not even to look; say may = ["read"]')
     try:
         scheme = scheme_of(link)
         if not scheme.virtual:  # the spec of a virtual board is compiled when the fleet is run
@@ -187,7 +191,7 @@ def _check_together(fleet: Fleet) -> None:
     for what, texts in (
         ("name", [one.name for one in fleet.robots]),
         ("key", [one.key for one in fleet.robots]),
-        ("link", [one.link for one in fleet.robots if not SCHEMES[one.link.partition(":")[0]].virtual]),
+        ("link", [_port(one.link) for one in fleet.robots if not scheme_of(one.link).virtual]),
     ):
         if twice := _twice(texts):
             first, second = [number for number, text in enumerate(texts, 1) if text == twice][:2]
@@ -201,6 +205,14 @@ def _check_together(fleet: Fleet) -> None:
                 f"{fleet.file}: the key {one.key} is below the key {above} of another robot, whose own keys "
                 f"are there; take {above}-{steps[-1]}"
             )
+
+
+def _port(link: str) -> str:
+    """Return the port of a link, without the options that leave it the same port."""
+    kind, _, rest = link.partition(":")
+    place, _, query = rest.partition("?")
+    which = urlencode([(word, value) for word, value in parse_qsl(query) if word in _WHICH_PORT])
+    return f"{kind}:{os.path.realpath(place) if place.startswith('/dev/') else place}{which and f'?{which}'}"
 
 
 def _twice(texts: list[T]) -> T | None:

@@ -77,6 +77,8 @@ def test_a_robot_has_what_the_fleet_has_unless_it_says_otherwise(file: Path) -> 
         ('name = "lab"', 'name = "l*b"', "[fleet]: name: the key 'l*b' has a wildcard"),
         ('name = "lab"', 'router = "a"\nconnect = "b"', "router and connect: one of them says where"),
         ('link = "sim:arm.ul?plant=ramp"', 'link = "tcp://10.0.0.1:5555"', "two robots have the link tcp:"),
+        ('may = ["read"]', "may = []", "robot 2 (arm2): may = [] allows nothing"),
+        ('may = ["read", "write j1.*"]', "may = []", "robot 1 (arm1): may = [] allows nothing"),
         ("[fleet]", "[fleet", "fleet.toml: "),
     ],
 )
@@ -95,6 +97,31 @@ def test_a_bitstream_may_bring_its_spec_or_not(file: Path) -> None:
         assert parse_fleet(head + robot.format(link), file).robots[0].spec == spec
     with pytest.raises(FleetError, match=r"there is no spec other\.ul"):
         parse_fleet(head + robot.format("arm.bin?spec=other.ul"), file)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "same"),
+    [
+        ("serial:/dev/ttyUSB0", "serial:/dev/ttyUSB0?baud=3000000", True),
+        ("serial:/dev/ttyUSB0", "serial:/dev/../dev/ttyUSB0?crc=1", True),
+        ("tcp://10.0.0.1:5555", "tcp://10.0.0.1:5555?crc=1", True),
+        ("rs485:/dev/ttyUSB0?node=3&baud=9600", "rs485:/dev/ttyUSB0?baud=9600&node=3", True),
+        ("rs485:/dev/ttyUSB0?node=3", "rs485:/dev/ttyUSB0?node=4", False),
+        ("ftdi:AB12?channel=A", "ftdi:AB12?channel=B", False),
+    ],
+)
+def test_two_robots_with_one_port(file: Path, first: str, second: str, same: bool) -> None:
+    text = TWO.replace("tcp://10.0.0.1:5555", first).replace("sim:arm.ul?plant=ramp", second)
+    if not same:
+        parse_fleet(text, file)
+        return
+    with pytest.raises(FleetError, match="two robots have the link"):
+        parse_fleet(text, file)
+
+
+def test_what_editors_of_windows_write(file: Path) -> None:
+    file.write_bytes(b"\xef\xbb\xbf" + TWO.replace("\n", "\r\n").encode())
+    assert [one.name for one in read_fleet(file).robots] == ["arm1", "arm2"]
 
 
 def test_a_file_that_is_none(tmp_path: Path) -> None:
