@@ -33,6 +33,8 @@ def _of(report: RobotReport, wanted: str) -> Iterator[Difference]:
     if not report.reachable:
         yield Difference(report.name, AWAY, report.state)
     if not report.hash:
+        if report.reachable:
+            yield Difference(report.name, AWAY, "its bridge does not tell its state")
         return
     if report.hash != wanted:
         text = f"runs with the spec {report.hash}, and {report.spec} is {wanted} now: unitylink fleet update"

@@ -37,8 +37,9 @@ def look_at(fleet: Fleet, wait_s: float = 0.0, *, who: str = "") -> tuple[bool, 
         told = _told(session, fleet.name)
         call.ask_and_wait(ANSWER_S)
         processes = told.get("robots")
-        rows = processes if isinstance(processes, dict) else {}
-        reports = [report_of(one, call.of(one.key), rows.get(one.name)) for one in fleet.robots]
+        rows = processes.items() if isinstance(processes, dict) else ()
+        of = {name: row for name, row in rows if isinstance(row, dict)}  # anybody may have told it
+        reports = [report_of(one, call.of(one.key), of.get(one.name)) for one in fleet.robots]
         call.close()
     return bool(told), reports
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 HEADERS = ("robot", "state", "spec", "gateware", "lost", "written by", "restarts")
 RIGHT = (4, 6)  # the columns that are numbers
+_TEXT_MOST = 1000  # characters
 _HASH_SHOWN = 8  # hex digits of a hash in a table
 
 
@@ -63,7 +64,7 @@ def report_of(robot: FleetRobot, presence: Presence, process: Mapping[str, Any] 
     """Return what is known of a robot.
 
     `process` is what the program that runs the fleet tells of its bridge: restarts, pid, uptime_s, trouble,
-    spec. It is None if nobody tells.
+    spec. It is None if nobody tells. Anybody on an open network can tell anything.
     """
     told = presence.state if presence.known else {}
     device = _table(told.get("device"))
@@ -74,19 +75,19 @@ def report_of(robot: FleetRobot, presence: Presence, process: Mapping[str, Any] 
         robot.key,
         robot.link,
         presence.reachable,
-        _state(presence, told, own),
-        spec=str(own.get("spec") or robot.spec),
-        hash=str(told.get("hash", "")),
-        gateware_hash=str(device.get("hash", "")),
+        _text(_state(presence, told, own)),
+        spec=_text(own.get("spec") or robot.spec),
+        hash=_text(told.get("hash", "")),
+        gateware_hash=_text(device.get("hash", "")),
         lost=sum(_count(line.get(name)) for name in ("missing_publishes", "overruns", "timeouts")),
         refused=sum(_count(_table(one).get("count")) for one in _table(told.get("refused")).values()),
         published=_count(told.get("published")),
-        leases=dict(presence.leases),
+        leases={_text(part): _text(holder) for part, holder in presence.leases.items()},
         clients=len(told["clients"]) if isinstance(told.get("clients"), list) else 0,
-        restarts=own.get("restarts"),
-        pid=own.get("pid"),
-        uptime_s=float(own.get("uptime_s", 0.0)),
-        trouble=str(own.get("trouble", "")),
+        restarts=_count(own.get("restarts")) if process is not None else None,
+        pid=_count(own.get("pid")) or None,
+        uptime_s=_seconds(own.get("uptime_s")),
+        trouble=_text(own.get("trouble", "")),
     )
 
 
@@ -96,12 +97,21 @@ def _state(presence: Presence, told: Mapping[str, Any], process: Mapping[str, An
     if presence.bridges:
         return f"board away: {told['away']}" if told.get("away") else "board away"
     if process.get("pid"):
-        return "starting" if float(process.get("uptime_s", 0.0)) < START_S else "not seen on the network"
+        return "starting" if _seconds(process.get("uptime_s")) < START_S else "not seen on the network"
     return f"down: {process['trouble']}" if process.get("trouble") else "down"
 
 
 def _table(value: object) -> Mapping[str, Any]:
     return value if isinstance(value, dict) else {}
+
+
+def _text(value: object) -> str:
+    """Return a text that a terminal shows as it is, and a file takes."""
+    return "".join(one if one.isprintable() else "?" for one in str(value)[:_TEXT_MOST])
+
+
+def _seconds(value: object) -> float:
+    return float(value) if isinstance(value, (int, float)) and 0 <= value < 1e12 else 0.0
 
 
 def _count(value: object) -> int:

@@ -37,7 +37,8 @@ class Presence:
     @property
     def known(self) -> bool:
         """Whether the state is that of a bridge that is there now."""
-        return self.state.get("bridge") in self.bridges
+        bridge = self.state.get("bridge")
+        return isinstance(bridge, str) and bridge in self.bridges
 
 
 class RollCall:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -58,6 +59,31 @@ def test_a_robot_that_is_not_there_says_why(presence: Presence, process: Any, st
 def test_a_state_that_is_no_state_is_no_error(told: dict[str, Any]) -> None:
     report = report_of(ROBOT, Presence({"b"}, {"b"}, {}, {"bridge": "b", **told}), None)
     assert report.reachable and report.lost == report.refused == report.clients == 0
+
+
+@pytest.mark.parametrize("bridge", [[], {}, None, 3])
+def test_a_state_of_no_bridge_is_not_known_and_that_counts(bridge: object) -> None:
+    presence = Presence({"b"}, {"b"}, {}, {"bridge": bridge, "hash": "aa" * 8})
+    report = report_of(ROBOT, presence, None)
+    assert not presence.known and report.hash == ""
+    (found,) = differences({"arm1": "aa" * 8}, [report])
+    assert found.counts and found.text == "its bridge does not tell its state"
+
+
+@pytest.mark.parametrize("hostile", ["x", None, [], {}, -1, float("nan"), float("inf"), 10**400])
+def test_what_a_stranger_tells_of_a_process_is_no_error(hostile: Any) -> None:
+    told = {"restarts": hostile, "pid": hostile, "uptime_s": hostile, "trouble": hostile, "spec": hostile}
+    report = report_of(ROBOT, Presence(), told)
+    assert report.uptime_s == 0 and not report.reachable
+    assert all(cell.isprintable() for cell in report.row())
+
+
+def test_a_text_from_the_network_cannot_write_to_the_terminal_nor_break_a_line() -> None:
+    presence = there(hash="\x1b[2J\ud800", stopped_by="a\nb", device={"hash": "\x07"})
+    presence.leases["\x1b"] = "\x1b]0;x"
+    report = report_of(ROBOT, presence, {"trouble": "\x1b[31m"})
+    json.dumps(report.as_dict(), ensure_ascii=False).encode()
+    assert all(cell.isprintable() for cell in report.row()) and report.trouble == "?[31m"
 
 
 def found(wanted: str, **more: Any) -> list[tuple[str, bool]]:
