@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+from urllib.parse import urlencode
 
 import click
 
@@ -50,8 +51,8 @@ class RobotTaker(threading.Thread):
         self.robot, self.taken, self.lost = robot, 0, 0
         self._rate_hz, self._heard, self._fleet = rate_hz, heard, fleet.name
         network = fleet.network(who)
-        way = f"config={network.config}" if network.config else f"connect={network.connect}"
-        self._url = f"zenoh:{robot.key}?name=record&{way}"
+        way = {"config": network.config} if network.config else {"connect": network.connect}
+        self._url = f"zenoh:{robot.key}?{urlencode({'name': 'record', **way}, safe='/:')}"
         self._said = ""
 
     def run(self) -> None:

@@ -27,21 +27,33 @@ _STATE_MOST = 60  # characters
 
 
 class News:
-    """What happened, with the time since the start. Printed at once, unless a table shows it."""
+    """What happened, with the time since the start. Printed at once, unless a table shows it.
+
+    `failed` is the error of the last line that could not be printed.
+    """
 
     def __init__(self) -> None:
         self._began_s = time.monotonic()
         self._lock = threading.Lock()
         self.last: list[str] = []
         self.quiet = False
+        self.failed: OSError | None = None
 
     def say(self, robot: str, text: str) -> None:
-        """Take one. Any thread may call this."""
+        """Take one. Any thread may call this. It goes on if nobody reads any more."""
         line = f"{time.monotonic() - self._began_s:6.1f} s  {robot}: {text}"
         with self._lock:
             self.last = [*self.last[-_NEWS + 1 :], line]
             if not self.quiet:
-                click.echo(line)
+                try:
+                    click.echo(line)
+                except OSError as error:
+                    self.failed = error
+
+    def check(self) -> None:
+        """Raise the OSError of a line that could not be printed. For the main thread."""
+        if self.failed is not None:
+            raise self.failed
 
 
 def rows(reports: Sequence[RobotReport]) -> list[tuple[str, ...]]:
@@ -56,7 +68,7 @@ def rows(reports: Sequence[RobotReport]) -> list[tuple[str, ...]]:
 def show(fleet: Supervisor, news: News, stop: threading.Event) -> None:
     """Show the fleet until `stop`."""
     if not terminal():
-        _show_lines(fleet, stop)
+        _show_lines(fleet, news, stop)
         return
     from rich.console import Group
     from rich.live import Live
@@ -74,7 +86,7 @@ def show(fleet: Supervisor, news: News, stop: threading.Event) -> None:
         redraw()
 
 
-def _show_lines(fleet: Supervisor, stop: threading.Event) -> None:
+def _show_lines(fleet: Supervisor, news: News, stop: threading.Event) -> None:
     """Print the table once all are up, or a while after the start; `News` prints what changes."""
     fleet.wait_up(_FIRST_S)
     if stop.is_set():
@@ -82,7 +94,7 @@ def _show_lines(fleet: Supervisor, stop: threading.Event) -> None:
     for line in plain_table(HEADERS, rows(fleet.reports()), right=RIGHT):
         click.echo(line)
     while not stop.wait(_REDRAW_S):  # with a timeout: a signal that comes to another thread wakes no wait
-        pass
+        news.check()
 
 
 def _drawn(reports: Sequence[RobotReport], title: str) -> Table:

@@ -15,6 +15,7 @@ START_S = 60.0  # how long a bridge has to come to the network
 SILENT_S = 5.0  # then a process that has left the network, and lives, is killed
 END_S = 5.0  # how long a process has to end in order
 _LINES = 20
+_LAST_LINES_S = 1.0  # how long the last lines of a process have to come
 
 
 class Running(Protocol):
@@ -136,6 +137,16 @@ class BridgeProcess:
         self._pause_s = min(2 * self._pause_s, PAUSE_MOST_S)
 
     def _finish(self, process: Running) -> None:
-        if self._reader is not None:
-            self._reader.join(1.0)
+        reader, self._reader = self._reader, None
+        if reader is not None:
+            reader.join(_LAST_LINES_S)
+            if reader.is_alive():  # something that the process started still has its stderr
+                threading.Thread(target=_close_after, args=(reader, process), daemon=True).start()
+                return
         process.close()
+
+
+def _close_after(reader: threading.Thread, process: Running) -> None:
+    """Close what a thread reads from. Before its end, that would wait for it."""
+    reader.join()
+    process.close()

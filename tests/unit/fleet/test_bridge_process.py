@@ -124,3 +124,13 @@ def test_what_cannot_be_started_is_said(said: list[str]) -> None:
     one = BridgeProcess(fail, said.append)
     one.look(0.0, on_network=False)
     assert one.restarts == 1 and "cannot be started: No such file" in said[0]
+
+
+def test_what_a_bridge_leaves_behind_with_its_stderr_does_not_stop_the_watch(
+    make: Make, said: list[str]
+) -> None:
+    one = make("sleep 6 & echo broken >&2; exit 3")
+    one.look(0.0, on_network=False)
+    began_s = time.monotonic()
+    wait_dead(one, 0.1)
+    assert time.monotonic() - began_s < 4 and "ended with code 3: broken" in said[0]

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What `unitylink fleet` prints when nobody reads, and the URL by which it records a robot."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import click
+import pytest
+
+from unitylink.commands.fleet_record import Heard, RobotTaker
+from unitylink.commands.fleet_table import News
+from unitylink.fleet.reader import parse_fleet
+from unitylink.zenoh.far_options import read_far_url
+
+
+def test_whoever_tells_goes_on_if_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
+    def echo(_: str) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(click, "echo", echo)
+    news = News()
+    news.check()
+    news.say("arm1", "up")  # for example the thread that starts bridges again
+    assert "arm1: up" in news.last[0]
+    with pytest.raises(BrokenPipeError):
+        news.check()
+
+
+def test_a_folder_with_letters_that_mean_something_in_a_url(tmp_path: Path) -> None:
+    folder = tmp_path / "c++ & %41 #1"
+    folder.mkdir()
+    (folder / "arm.ul").write_text("public arm() { @x = 0x10: READ(); }\n")
+    (folder / "z.json5").write_text("{}")
+    text = '[fleet]\nzenoh_config = "z.json5"\n[[robot]]\nname = "a"\nlink = "sim:arm.ul"\n'
+    fleet = parse_fleet(text, folder / "fleet.toml")
+    taker = RobotTaker(fleet, fleet.robots[0], 10.0, Heard(threading.Event()), "")
+    assert read_far_url(taker._url).network.config == str(folder / "z.json5")
