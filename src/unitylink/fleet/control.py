@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import logging
 import os
 import socket
 import stat
@@ -17,6 +18,7 @@ from typing import Any
 
 from unitylink.errors import LinkNotFound, UnityLinkError
 
+_log = logging.getLogger("unitylink.fleet")
 _LINE_MOST = 65536
 _PATH_MOST = 100  # bytes; a system takes 103 to 107 for a socket
 _ASK_S = 2.0  # how long a client has to say what it wants
@@ -84,6 +86,9 @@ class Control:
             done = self._do(wish, lambda robot, text: send({"robot": robot, "text": text}))
         except UnityLinkError as error:
             send({"error": str(error)})
+        except Exception as error:  # the next wish may be a better one
+            _log.exception("what was asked for was not done")
+            send({"error": f"{type(error).__name__}: {error}"})
         else:
             send({"done": done})
 

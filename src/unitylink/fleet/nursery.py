@@ -13,10 +13,13 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TextIO
+
+from .bridge_process import END_S
 
 Main = Callable[[list[str]], int]
 
@@ -100,3 +103,5 @@ def _end_with(alive: Connection) -> None:
     with contextlib.suppress(EOFError, OSError):
         alive.recv_bytes()
     os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(END_S)
+    os._exit(1)  # it hangs, and nobody is there to kill it

@@ -3,10 +3,29 @@
 
 from __future__ import annotations
 
+import signal
+import sys
+import time
 from pathlib import Path
 
 from unitylink.cli import main
+from unitylink.fleet.bridge_process import END_S
 from unitylink.fleet.nursery import Forked
+
+
+def hang(_: list[str]) -> int:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    print("hangs", file=sys.stderr)
+    time.sleep(60)
+    return 0
+
+
+def test_a_fork_that_hangs_is_no_orphan(tmp_path: Path) -> None:
+    one = Forked(hang, [], tmp_path, ())
+    assert next(iter(one.lines)) == "hangs\n"
+    one._alive.close()  # as if this process were gone
+    assert one.wait(4 * END_S) and one.poll() == 1
+    one.close()
 
 
 def test_a_fork_says_what_is_wrong_and_ends_when_it_is_told(tmp_path: Path) -> None:

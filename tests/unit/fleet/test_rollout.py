@@ -160,12 +160,14 @@ def test_only_the_same_user_can_ask(runtime: Path) -> None:
     def do(wish: dict[str, Any], say: Any) -> bool:
         if "update" not in wish:
             raise UnityLinkError("what?")
+        ", ".join(wish["update"])
         say("arm1", "is well")
         return True
 
     control = Control(file, do)
     assert list(ask(file, {"update": []})) == [{"robot": "arm1", "text": "is well"}, {"done": True}]
     assert list(ask(file, {})) == [{"error": "what?"}]
+    assert list(ask(file, {"update": 3})) == [{"error": "TypeError: can only join an iterable"}]
     for nonsense in (b"\xff\n", b"[" * 9999 + b"\n", b"3\n", b""):
         with socket.socket(socket.AF_UNIX) as talk:
             talk.connect(str(socket_path(file)))
