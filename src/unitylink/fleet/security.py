@@ -58,7 +58,8 @@ def security_files(fleet: Fleet, folder: str) -> dict[str, str]:
     for name in (*(f"{ROBOT_PREFIX}{robot.name}" for robot in fleet.robots), *users):
         files[f"{name}.json5"] = _client(fleet, name)
     files[SCRIPT] = _script(host, [name.removesuffix(".json5") for name in files])
-    return {name: text.replace("{folder}", folder) for name, text in files.items()}
+    within_json = json.dumps(folder)[1:-1]
+    return {name: text.replace("{folder}", within_json) for name, text in files.items()}
 
 
 def _users(fleet: Fleet) -> tuple[str, ...]:
@@ -185,8 +186,8 @@ def _script(host: str, names: list[str]) -> str:
         'cd "$(dirname "$0")"',
         "umask 077",
         'key() { openssl ecparam -name prime256v1 -genkey -noout -out "$1-key.pem"; }',
-        "if [ ! -e authority-key.pem ]; then",
-        "  key authority",
+        "if [ ! -e authority.pem ]; then",
+        "  [ -e authority-key.pem ] || key authority",
         f"  openssl req -x509 -new -key authority-key.pem -days {10 * DAYS} -subj /CN=authority \\",
         "    -out authority.pem",
         "fi",

@@ -166,6 +166,27 @@ def test_what_cannot_be_secured_is_said(tmp_path: Path, old: str, new: str, mess
         security_files(fleet, "secrets")
 
 
+def test_the_keys_are_for_their_owner_only(lab: Lab) -> None:
+    keys = [*lab.fleet.place("secrets").glob("*-key.pem")]
+    assert len(keys) == 7 and {one.stat().st_mode & 0o777 for one in keys} == {0o600}
+
+
+def test_the_script_makes_no_second_authority_where_the_key_of_the_first_is_not(
+    lab: Lab, tmp_path: Path
+) -> None:
+    secrets = lab.fleet.place("secrets")
+    (tmp_path / SCRIPT).write_text((secrets / SCRIPT).read_text())
+    (tmp_path / "authority.pem").write_bytes((secrets / "authority.pem").read_bytes())
+    assert subprocess.run(["sh", tmp_path / SCRIPT], capture_output=True, check=False).returncode != 0
+    assert (tmp_path / "authority.pem").read_bytes() == (secrets / "authority.pem").read_bytes()
+
+
+def test_a_folder_with_odd_letters(tmp_path: Path) -> None:
+    text = security_files(described(tmp_path), 'a "b" \\ c')["ana.json5"].partition("\n")[2]
+    told = json.loads(text)["transport"]["link"]["tls"]
+    assert told["connect_private_key"] == 'a "b" \\ c/ana-key.pem'
+
+
 def test_who_one_is_has_to_be_said(tmp_path: Path) -> None:
     fleet = described(tmp_path)
     with pytest.raises(FleetError, match="the network is encrypted; say who you are: --as NAME"):
