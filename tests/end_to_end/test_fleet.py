@@ -92,6 +92,8 @@ def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.Ca
             exec(first, {})
             exec(stranger, {})
             assert re.fullmatch(r"-?\d+\n\(-?\d+,\)\n", capsys.readouterr().out)
+            assert main(["fleet", str(file)]) == 1
+            assert "another program runs the fleet lab on this network" in capsys.readouterr().err
             recording = str(file.with_name("lab.mcap"))
             assert main(["fleet", "record", str(file), "--out", recording, "--duration", "1", "--json"]) == 0
             told_of = json.loads(capsys.readouterr().out)

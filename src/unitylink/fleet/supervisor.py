@@ -45,9 +45,9 @@ class Supervisor:
         self._lock = threading.Lock()  # guards the processes
         with contextlib.ExitStack() as stack:
             self._specs = stack.enter_context(SpecStore(fleet))
-            self._router = stack.enter_context(_router(fleet)) if fleet.is_router else None
+            self._router = stack.enter_context(self._opened_router()) if fleet.is_router else None
             self._session: zenoh.Session = self._router or stack.enter_context(fleet.network().opened())
-            self._refuse_second()
+            self._refuse_second(self._session)
             told = self._session.declare_queryable(state_key(fleet.name), self._tell)
             stack.callback(told.undeclare)
             self._call = RollCall(self._session, [one.key for one in fleet.robots], self._heard)
@@ -178,8 +178,21 @@ class Supervisor:
 
     # ---- the network
 
-    def _refuse_second(self) -> None:
-        for reply in self._session.get(state_key(self.fleet.name), timeout=_OTHERS_S):
+    def _opened_router(self) -> zenoh.Session:
+        """Be the router. If the place is taken, tell whether a fleet of this name has it."""
+        fleet = self.fleet
+        try:
+            return fleet.router_network().opened()
+        except LinkNotFound as error:
+            if not fleet.security:  # else only somebody with a name could ask
+                with contextlib.suppress(LinkNotFound), fleet.network().opened() as session:
+                    self._refuse_second(session)
+            raise LinkNotFound(
+                f"{error}; end what is there, or change router below [fleet] in {fleet.file}"
+            ) from None
+
+    def _refuse_second(self, session: zenoh.Session) -> None:
+        for reply in session.get(state_key(self.fleet.name), timeout=_OTHERS_S):
             if reply.ok is not None:
                 raise LinkBusy(
                     f"another program runs the fleet {self.fleet.name} on this network; end it, or give this "
@@ -206,12 +219,3 @@ def state_key(fleet: str) -> str:
     No robot's key has an `@`, and no wildcard of Zenoh matches it.
     """
     return f"{fleet}/@fleet/state"
-
-
-def _router(fleet: Fleet) -> zenoh.Session:
-    try:
-        return fleet.router_network().opened()
-    except LinkNotFound as error:
-        raise LinkNotFound(
-            f"{error}; if another program runs this fleet, `unitylink fleet status {fleet.file}` shows it"
-        ) from None
