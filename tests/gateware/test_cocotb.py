@@ -24,7 +24,7 @@ from unitylink.errors import UnityLinkError, UrlError
 
 @cocotb.test()
 async def mistakes_are_named(dut):
-    with pytest.raises(UrlError, match="hello_led_board has no pin rx_line; say which pins"):
+    with pytest.raises(UrlError, match="hello_led_board has no pin rx_line; say which the link has"):
         UnityLinkMaster(dut, SPEC)
     with pytest.raises(ValueError, match="invalid literal"):
         await UnityLinkMaster(dut, SPEC, rx="usb_rx", tx="usb_tx").run(int, "five")
