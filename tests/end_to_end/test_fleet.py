@@ -21,7 +21,7 @@ import pytest
 
 from unitylink.cli import main
 from unitylink.fleet.look import look_at
-from unitylink.fleet.reader import read_fleet
+from unitylink.fleet.reader import parse_fleet, read_fleet
 from unitylink.recording.formats import samples
 from unitylink.zenoh.session import ROUTER
 
@@ -88,6 +88,8 @@ def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.Ca
             assert [one.restarts for one in after] == [0, 0, 1, 0, 0, 0, 0, 0]
             same = [one.pid == other.pid for one, other in zip(before, after, strict=True)]
             assert same == [True, True, False, True, True, True, True, True]
+            assert main(["fleet", "check", str(file)]) == 0
+            assert "8 of 8 robots are up; specs: 1; gateware built from: 1" in capsys.readouterr().out
             first, _, stranger = blocks_for_python("zenoh.md", router)
             exec(first, {})
             exec(stranger, {})
@@ -112,6 +114,15 @@ def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.Ca
             os.kill(one.pid, 0)
 
 
+def test_the_fleet_of_the_page_can_be_read(tmp_path: Path) -> None:
+    (tmp_path / "arm.ul").write_text("public arm() { @x = 0x10: READ(); }\n")
+    page = (ROOT / "docs" / "fleet.md").read_text("utf-8")
+    blocks = re.findall(r"^```toml[^\n]*\n(.*?)^```", page, re.M | re.S)
+    fleets = [parse_fleet(block, tmp_path / "fleet.toml") for block in blocks]
+    assert [len(fleet.robots) for fleet in fleets] == [2, 1]
+
+
+@pytest.mark.long
 def test_the_page_works_as_it_stands(router: str, tmp_path: Path) -> None:
     script = script_of("fleet.md").replace("[fleet]\n", f'[fleet]\nrouter = "{router}"\n', 1)
     script = script.replace("zenoh:lab/arm2", f'"zenoh:lab/arm2?connect={router}"')
