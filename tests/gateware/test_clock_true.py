@@ -296,6 +296,11 @@ CASES = {
         Case("maximum_hz=575000, time_hz=2300000, active_level=0, filter_ns=0", GENERATOR, 90, 4000, rest=0),
         Case("maximum_hz=20000, time_hz=1000, filter_ns=0", GENERATOR, 90, 3000, still=(1,)),
     ),
+    "encoder_bank": (
+        Case("channels=3", {3: (0,)}, pause=90, wait=18),
+        Case("channels=2, filter_ns=2000", pause=40, quiet=30, wait=10),
+        Case("channels=9, filter_ns=2000", pause=900, quiet=900, wait=66, clocks=40_000, clock_hz=50_000_000),
+    ),
     "position_compare": (
         Case("position=from.position, pulse_ns=2000", COMPARE, 90, outside=random_wires(1, 60)),
         Case(

@@ -262,6 +262,16 @@ def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int, extr
     )
 
 
+@pytest.mark.parametrize(("channels", "filter_ns", "data_width"), [(6, 0, 32), (3, 300, 16)])
+def test_encoder_bank(ghdl: Any, channels: int, filter_ns: int, data_width: int) -> None:
+    ghdl.run("encoder_bank_tb", channels=channels, filter_ns=filter_ns, data_width=data_width)
+
+
+@pytest.mark.long
+def test_encoder_bank_of_32(ghdl: Any) -> None:
+    ghdl.run("encoder_bank_tb", channels=32, seed=2)
+
+
 @pytest.mark.parametrize(("active_level", "seed"), [(1, 1), (0, 2)])
 def test_position_compare(ghdl: Any, active_level: int, seed: int) -> None:
     ghdl.run("position_compare_tb", active_level=active_level, seed=seed)

@@ -255,6 +255,15 @@ ROWS = (
         memories_most=4,
     ),
     Row(
+        "encoder_bank",
+        "a component: eight incremental encoders that share an adder, at most 40 cells each",
+        top="encoder_bank",
+        cells_most=320,
+        mhz_least=50.0,
+        memories_most=6,
+        ecp5_mhz_least=100.0,
+    ),
+    Row(
         "position_compare",
         "a component: a pulse at each place of a row of positions",
         top="position_compare",

@@ -134,12 +134,14 @@ class BoardComponent:
         *,
         lines: Sequence[str] = ("a", "b", "index"),
         per_turn: int = 0,
+        channel: int = 0,
     ) -> None:
         """Turn an encoder to `counts`, evenly within `seconds` from now. It begins at 0.
 
-        Fractions are cut off downwards. With `per_turn` the third line is high at each whole turn.
+        Fractions are cut off downwards. With `per_turn` the third line is high at each whole turn. An
+        `encoder_bank` has several channels.
         """
-        pins = [self._pin("in", port, 0) for port in lines[: 3 if per_turn else 2]]
+        pins = [self._pin("in", port, channel) for port in lines[: 3 if per_turn else 2]]
         place = pins[0], pins[1], pins[2] if per_turn else 0
         if not self._native.turn(self._number, place, per_turn, int(counts // 1), max(0.0, seconds)):
             raise self._without_pins()

@@ -169,7 +169,7 @@ BusStatus Component::write(std::uint32_t address, std::uint32_t value, Clock at)
   if (answered == edge) {
     thawed_[address] = 1;
   } else {
-    std::fill(thawed_.begin(), thawed_.end(), 1);
+    thaw();
   }
   written_ = address;
   written_edge_ = edge + 1;

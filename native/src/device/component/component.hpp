@@ -18,6 +18,7 @@
 //   std::unique_ptr<Component> make_lamp(const ComponentConfiguration& from) { return std::make_unique<Lamp>(from); }
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -117,6 +118,8 @@ class Component : public Bus {
   [[nodiscard]] bool is_written(std::uint32_t address, Clock edge) const noexcept {
     return edge == written_edge_ && address == written_;
   }
+  // All words are live until the block ends: a write has thawed a snapshot that is one as a whole.
+  void thaw() noexcept { std::fill(thawed_.begin(), thawed_.end(), 1); }
   // Accesses before this state wait for it.
   void wait_until(Clock state) noexcept { free_at_ = state; }
   // Is cyc high at this edge: in an access, or in a block of accesses?
