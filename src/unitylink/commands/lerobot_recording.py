@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,6 +22,7 @@ from .sampling_options import sampled_items
 
 if TYPE_CHECKING:
     from unitylink.recording.lerobot_layout import Layout
+    from unitylink.simulate.plants.mujoco.looks import Looks
 
 _GATHER_S, _HOLD_S = 0.02, 1.0  # as for a file
 _NUMBERS = ("int", "uint", "fixed", "ufixed", "float", "bool")
@@ -35,6 +38,7 @@ def record_episode(
     count: int | None,
     duration_s: float | None,
     as_json: bool,
+    cameras: Sequence[str] = (),
 ) -> int:
     """Record until Ctrl-C, `count` samples or `duration_s`, and save the episode. Return the exit code."""
     from unitylink.recording.frames import Frames
@@ -45,10 +49,12 @@ def record_episode(
     if rate_hz != round(rate_hz):
         raise Failure(f"--rate {rate_hz:g}: the frames a second of a data set are a whole number", "round it")
     items = _numbers(sampled_items(target, names, "record", set_points=True))
-    layout = _layout(target, items, round(rate_hz))
+    sizes = dict(_size(camera) for camera in cameras)
+    looks = _looks(target, sizes) if sizes else None
+    layout = replace(_layout(target, items, round(rate_hz)), cameras=tuple(sizes.items()))
     dataset = LerobotDataset(folder, layout, _origin(target, items))
     sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
-    frames = Frames(dataset, lambda: sampler.lost)
+    frames = Frames(dataset, lambda: sampler.lost, looks.keep if looks is not None else None)
     began, ended_s, failed = time.monotonic(), 0.0, None
 
     def take(sample: Any) -> None:
@@ -70,8 +76,10 @@ def record_episode(
         raise failed or UnityLinkError(
             f"{folder}: no episode: nothing has come of {', '.join(frames.missing())}"
         )
-    episode = dataset.save_episode(task, lost=sampler.lost)
     took_s = time.monotonic() - began
+    episode = dataset.save_episode(task, lost=sampler.lost)
+    if looks is not None:
+        looks.close()
     result = {
         "dataset": folder,
         "episode": episode.number,
@@ -90,6 +98,26 @@ def record_episode(
     if failed is not None:
         raise failed
     return 1 if episode.lost else 0
+
+
+def _size(camera: str) -> tuple[str, tuple[int, int]]:
+    """Return the name of a camera, and height and width: "front", or "front:640x480"."""
+    found = re.fullmatch(r"([^:/]+)(?::([1-9]\d{0,3})x([1-9]\d{0,3}))?", camera)
+    if found is None:
+        raise Failure(f"--camera {camera!r} is no camera", "write NAME, or NAME:WIDTHxHEIGHT")
+    return found[1], (int(found[3] or 240), int(found[2] or 320))
+
+
+def _looks(target: Target, sizes: dict[str, tuple[int, int]]) -> Looks:
+    plant = getattr(getattr(target.link, "board", None), "plant", None)
+    if plant is None or not hasattr(plant, "camera"):
+        raise Failure(
+            "--camera: the link leads to no model of MuJoCo",
+            "record a virtual board with plant=mujoco:FILE.xml, or with LeRobot's own cameras",
+        )
+    from unitylink.simulate.plants.mujoco.looks import Looks
+
+    return Looks(plant, sizes)
 
 
 def _numbers(items: Sequence[Item]) -> list[Item]:

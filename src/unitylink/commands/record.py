@@ -43,6 +43,13 @@ _FLUSH_S = 0.5  # s between two writes; a program that is killed loses at most s
 @click.option(
     "--lerobot", metavar="DIR", help="Add an episode to a data set of LeRobot, --rate frames a second."
 )
+@click.option(
+    "--camera",
+    "cameras",
+    metavar="NAME",
+    multiple=True,
+    help="A camera of a model of MuJoCo to record, too (--lerobot): NAME, or NAME:640x480. Repeatable.",
+)
 @click.option("--task", default="", metavar="TEXT", help="What the robot does in the episode (--lerobot).")
 @force_option
 @rate_option
@@ -56,6 +63,7 @@ def command(
     spec_file: str | None,
     out: str | None,
     lerobot: str | None,
+    cameras: tuple[str, ...],
     task: str,
     force: bool,
     rate_hz: float,
@@ -94,10 +102,11 @@ def command(
                 count=count,
                 duration_s=duration_s,
                 as_json=as_json,
+                cameras=cameras,
             )
         click.get_current_context().exit(code)
-    if task:
-        raise click.UsageError("--task is for --lerobot")
+    if task or cameras:
+        raise click.UsageError(f"--{'task' if task else 'camera'} is for --lerobot")
     # checked before the device is asked for anything
     check_name(out if out is not None else "recording.mcap")
     if out is not None:

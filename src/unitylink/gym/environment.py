@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import gymnasium
@@ -282,6 +283,10 @@ class RobotEnvironment(gymnasium.Env[Numbers, Numbers]):
             return function(*arguments)
         except Exception as error:
             text = f"{what} failed at step {self._steps}: {type(error).__name__}: {error}"
+            if isinstance(error, KeyError):  # a name that is not among its arguments
+                there = [path for values in arguments for path in values]
+                near = get_close_matches(str(error.args[0]), there, 3, 0.3) or there
+                text += f"; nearest: {', '.join(near)}"
             raise UnityLinkError(text) from error
 
 

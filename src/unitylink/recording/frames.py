@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from .lerobot_dataset import LerobotDataset
+from .lerobot_dataset import LerobotDataset, Look
 
 _SLACK = 0.05  # of a frame: a sample that is later by so much belongs to it, or rounding would decide
 
@@ -15,9 +15,16 @@ class Frames:
     """Adds a frame to a data set each 1/fps of device time, with the newest values of that moment.
 
     The first frame is at the moment at which all values are known. Samples come in the order of their times.
+    `keep_look` keeps what cameras see now, and returns what draws it later.
     """
 
-    def __init__(self, dataset: LerobotDataset, lost: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        dataset: LerobotDataset,
+        lost: Callable[[], int],
+        keep_look: Callable[[], Look] | None = None,
+    ) -> None:
+        self._keep_look = keep_look
         layout = dataset.layout
         self._dataset, self._lost, self._fps = dataset, lost, layout.fps
         self._state, self._action = layout.state, layout.action
@@ -49,9 +56,9 @@ class Frames:
             self.held += not self._fresh
             self._fresh = False
             sampled_ns = [round((self._times_s[path] - self._begun_s) * 1e9) for path in self._state]
-            self._dataset.add(
-                self._of(self._state), self._of(self._action), sampled_ns=sampled_ns, lost=self._lost()
-            )
+            look = self._keep_look() if self._keep_look is not None else None
+            state, action = self._of(self._state), self._of(self._action)
+            self._dataset.add(state, action, sampled_ns=sampled_ns, lost=self._lost(), look=look)
 
     def missing(self) -> Sequence[str]:
         """Return the values that have not come yet."""

@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from .lerobot_layout import (
     ACTION,
     CHUNK_FILES,
     DEVICE_TIME,
+    IMAGES,
     INFO,
     LOST,
     OWN,
@@ -38,8 +39,10 @@ from .lerobot_layout import (
     episodes_file,
 )
 from .parquet import columns_of, read_columns, task_table, write_table
+from .pictures import QUANTILES, ColourStatistics, Pixels, png_of, together
 
-_QUANTILES = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
+Look = Callable[[], Mapping[str, Pixels]]
+_EFFORT = 4  # of zlib: more of it takes three times as long, for a tenth less
 
 
 @dataclass(frozen=True)
@@ -62,20 +65,33 @@ class LerobotDataset:
         self.folder, self.layout = Path(folder), layout
         self._origin = dict(origin or {})
         self._frames: list[tuple[Sequence[float], Sequence[float], Sequence[int], int]] = []
+        self._looks: list[Look] = []
         self._info = self._present()
         self.episodes = int(self._info["total_episodes"]) if self._info else 0
 
     def add(
-        self, state: Sequence[float], action: Sequence[float], *, sampled_ns: Sequence[int], lost: int = 0
+        self,
+        state: Sequence[float],
+        action: Sequence[float],
+        *,
+        sampled_ns: Sequence[int],
+        lost: int = 0,
+        look: Look | None = None,
     ) -> None:
         """Add a frame. The times of its values are those of the device, in ns since the episode began.
 
-        `lost` is how many samples have been lost in this episode so far.
+        `lost` is how many samples have been lost in this episode so far. `look` returns the pictures of the
+        cameras of the layout, by name. It is called when the episode is saved, so that no frame is late.
         """
         wanted = len(self.layout.state), len(self.layout.action), len(self.layout.state)
         given = len(state), len(action), len(sampled_ns)
         if given != wanted:
             raise ValueRangeError(f"a frame of {given} numbers (state, action, times); expected {wanted}")
+        if self.layout.cameras:
+            if look is None:
+                names = ", ".join(name for name, _ in self.layout.cameras)
+                raise ValueRangeError(f"a frame without pictures; look must return those of {names}")
+            self._looks.append(look)
         self._frames.append((tuple(state), tuple(action), tuple(sampled_ns), lost))
 
     def __len__(self) -> int:
@@ -106,20 +122,24 @@ class LerobotDataset:
             "meta/episodes/chunk_index": number // CHUNK_FILES,
             "meta/episodes/file_index": number % CHUNK_FILES,
         }
-        for feature, numbers in _statistics(columns).items():
+        statistics = _statistics(columns)
+        for camera, pngs, colours in self._pictures():
+            columns[IMAGES + camera] = pngs
+            statistics[IMAGES + camera] = colours
+        for feature, numbers in statistics.items():
             facts |= {f"stats/{feature}/{name}": value for name, value in numbers.items()}
         lost = self._frames[-1][3] if lost is None else lost
         try:
             write_table(self.folder / data_file(number), columns_of(self.layout.features, columns))
             write_table(self.folder / episodes_file(number), {name: [value] for name, value in facts.items()})
             write_table(self.folder / TASKS, task_table(tasks))
-            self._write_json(STATS, _statistics(self._all_columns(number + 1)))
+            self._write_json(STATS, self._all_statistics(number + 1))
             self._write_json(OWN, self._own(number, lost))
             info = self.layout.info(number + 1, before + count, len(tasks))
             self._write_json(INFO, info)  # last: only now the episode counts
         except OSError as error:
             raise UnityLinkError(f"{self.folder}: {error.strerror or error}") from error
-        self._info, self.episodes, self._frames = info, number + 1, []
+        self._info, self.episodes, self._frames, self._looks = info, number + 1, [], []
         return Episode(number, count, lost)
 
     def _present(self) -> dict[str, Any] | None:
@@ -167,11 +187,41 @@ class LerobotDataset:
             "task_index": np.full(count, task, np.int64),
         }
 
-    def _all_columns(self, episodes: int) -> dict[str, Any]:
-        """Return the columns of all episodes. Their statistics are exact, and not put together."""
-        names = tuple(self.layout.features)
+    def _pictures(self) -> Iterator[tuple[str, list[bytes], dict[str, Any]]]:
+        """Yield for each camera its name, its pictures as PNG, and the statistics of their colours."""
+        made: dict[str, tuple[list[bytes], ColourStatistics]] = {
+            name: ([], ColourStatistics()) for name, _ in self.layout.cameras
+        }
+        for look in self._looks:
+            seen = look()
+            for name, size in self.layout.cameras:
+                pixels = seen.get(name)
+                shape = None if pixels is None else pixels.shape
+                if pixels is None or shape != (*size, 3) or pixels.dtype != np.uint8:
+                    raise ValueRangeError(f"camera {name}: a picture of {shape}; expected bytes {(*size, 3)}")
+                pngs, colours = made[name]
+                pngs.append(png_of(pixels, effort=_EFFORT))
+                colours.add(pixels)
+        for name, (pngs, colours) in made.items():
+            yield name, pngs, colours.numbers()
+
+    def _all_statistics(self, episodes: int) -> dict[str, dict[str, list[Any]]]:
+        """Return those of all episodes. Of numbers they are exact, and not put together."""
+        cameras = [IMAGES + name for name, _ in self.layout.cameras]
+        names = tuple(name for name in self.layout.features if name not in cameras)
         parts = [read_columns(self.folder / data_file(number), names) for number in range(episodes)]
-        return {name: np.concatenate([_array(part[name]) for part in parts]) for name in names}
+        found = _statistics({name: np.concatenate([_array(part[name]) for part in parts]) for name in names})
+        keys = ("min", "max", "mean", "std", "count", *QUANTILES)
+        for camera in cameras:
+            wanted = [f"stats/{camera}/{key}" for key in keys]
+            rows = [read_columns(self.folder / episodes_file(number), wanted) for number in range(episodes)]
+            found[camera] = together(
+                [
+                    {key: row[name].to_pylist()[0] for key, name in zip(keys, wanted, strict=True)}
+                    for row in rows
+                ]
+            )
+        return found
 
     def _own(self, number: int, lost: int) -> dict[str, Any]:
         try:
@@ -200,7 +250,7 @@ def _statistics(columns: Mapping[str, Any]) -> dict[str, dict[str, list[Any]]]:
             "max": rows.max(axis=0),
             "mean": rows.mean(axis=0),
             "std": rows.std(axis=0),
-            **{key: np.quantile(rows, part, axis=0) for key, part in _QUANTILES.items()},
+            **{key: np.quantile(rows, part, axis=0) for key, part in QUANTILES.items()},
         }
         found[name] = {key: value.tolist() for key, value in numbers.items()} | {"count": [len(rows)]}
     return found

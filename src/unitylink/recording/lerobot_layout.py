@@ -12,6 +12,7 @@ CHUNK_FILES = 1000  # files in a folder
 INFO, STATS, TASKS = Path("meta/info.json"), Path("meta/stats.json"), Path("meta/tasks.parquet")
 OWN = Path("meta/unitylink.json")  # what LeRobot's own files have no place for
 STATE, ACTION, DEVICE_TIME, LOST = "observation.state", "action", "device_time", "lost"
+IMAGES = "observation.images."  # before the name of a camera
 _COUNTED = ("frame_index", "episode_index", "index", "task_index")
 
 
@@ -29,13 +30,15 @@ def episodes_file(number: int) -> Path:
 class Layout:
     """The frames of a data set: how many in a second, and the names of their numbers.
 
-    `state` are the values that are observed, and `action` the set-points.
+    `state` are the values that are observed, and `action` the set-points. `cameras` are pictures by name,
+    with height and width.
     """
 
     fps: int
     state: tuple[str, ...]
     action: tuple[str, ...]
     robot_type: str
+    cameras: tuple[tuple[str, tuple[int, int]], ...] = ()
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
@@ -60,6 +63,14 @@ class Layout:
             LOST: {"dtype": "int64", **alone},
             "timestamp": {"dtype": "float32", **alone},
             **{name: {"dtype": "int64", **alone} for name in _COUNTED},
+            **{
+                IMAGES + name: {
+                    "dtype": "image",
+                    "shape": [*size, 3],
+                    "names": ["height", "width", "channels"],
+                }
+                for name, size in self.cameras
+            },
         }
 
     def info(self, episodes: int, frames: int, tasks: int) -> dict[str, Any]:

@@ -18,12 +18,21 @@ except ImportError:
     raise absent("pyarrow", "a data set of LeRobot") from None
 
 _TYPES = {"float32": pa.float32(), "int64": pa.int64()}
+_IMAGE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 
 
 def columns_of(features: Mapping[str, Mapping[str, Any]], columns: Mapping[str, Any]) -> Any:
-    """Return a table of frames: a list of fixed length for a feature of several numbers, a number for one."""
+    """Return a table of frames: a list of fixed length for a feature of several numbers, a number for one.
+
+    A picture is the bytes of a PNG.
+    """
     fields, arrays = [], []
     for name, feature in features.items():
+        if feature["dtype"] == "image":
+            pictures = [{"bytes": one, "path": None} for one in columns[name]]
+            fields.append(pa.field(name, _IMAGE))
+            arrays.append(pa.array(pictures, type=_IMAGE))
+            continue
         kind, numbers = _TYPES[feature["dtype"]], columns[name]
         if feature["shape"] == [1]:
             made = pa.array(numbers.ravel(), type=kind)

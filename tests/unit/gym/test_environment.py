@@ -150,6 +150,11 @@ def test_a_reward_that_fails_is_told_with_its_step(made: Made) -> None:
     with pytest.raises(UnityLinkError, match=r"reward failed at step 1: ZeroDivisionError"):
         env.step(np.zeros(2))
     env.close()
+    env = made(reward=lambda seen, written: seen["positon"])
+    env.reset()
+    with pytest.raises(UnityLinkError, match=r"step 1: KeyError: 'positon'; nearest: position"):
+        env.step(np.zeros(2))
+    env.close()
 
 
 def test_where_time_passes_by_itself_missed_periods_are_counted(made: Made, tmp_path: Path) -> None:

@@ -7,13 +7,17 @@ read in November 2026. `make lerobot` reads a data set with LeRobot's own loader
 
 from __future__ import annotations
 
+import io
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pytest
+from PIL import Image
 from pyarrow import parquet
 from unit.lerobot.arm import write_arm
 
@@ -126,6 +130,39 @@ def test_episodes_tasks_and_statistics(tmp_path: Path) -> None:
         stats["action"]["max"] == [6.0] and stats["index"]["count"] == [7] and stats["index"]["q50"] == [3.0]
     )
     assert json.loads((tmp_path / "meta/unitylink.json").read_text()) == {"spec": "arm.ul", "lost": [0, 2]}
+
+
+def test_pictures_are_png_in_the_parquet_and_their_colours_have_statistics(tmp_path: Path) -> None:
+    layout = replace(LAYOUT, cameras=(("front", (2, 3)),))
+    for level in (0, 102):
+        data = LerobotDataset(tmp_path, layout)
+        for k in range(2):
+            pixels = np.full((2, 3, 3), (level, level + 51 * k, 255), np.uint8)
+            data.add([0.0, 0.0], [0.0], sampled_ns=[0, 0], look=lambda seen=pixels: {"front": seen})
+        data.save_episode("look")
+    info = json.loads((tmp_path / "meta/info.json").read_text())
+    name = "observation.images.front"
+    assert info["features"][name] == {
+        "dtype": "image",
+        "shape": [2, 3, 3],
+        "names": ["height", "width", "channels"],
+    }
+    table = parquet.read_table(tmp_path / "data/chunk-000/file-001.parquet")
+    assert table.schema.field(name).type == pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+    with Image.open(io.BytesIO(table[name].to_pylist()[1]["bytes"])) as picture:
+        assert picture.size == (3, 2) and picture.getpixel((2, 1)) == (102, 153, 255)
+    colours = json.loads((tmp_path / "meta/stats.json").read_text())[name]
+    assert set(colours) == set(STATISTICS) and colours["count"] == [4]
+    assert colours["min"] == [[[0.0]], [[0.0]], [[1.0]]] and colours["max"] == [[[0.4]], [[0.6]], [[1.0]]]
+    assert np.ravel(colours["mean"]) == pytest.approx([0.2, 0.3, 1.0])
+    assert np.ravel(colours["std"]) == pytest.approx([0.2, np.std([0, 0.2, 0.4, 0.6]), 0.0])
+    data.add([0.0, 0.0], [0.0], sampled_ns=[0, 0], look=lambda: {"front": np.zeros((2, 2, 3), np.uint8)})
+    with pytest.raises(ValueRangeError, match=r"camera front: a picture of \(2, 2, 3\); expected bytes"):
+        data.save_episode("look")
+    with pytest.raises(ValueRangeError, match="must return those of front"):
+        data.add([0.0, 0.0], [0.0], sampled_ns=[0, 0])
+    with pytest.raises(UnityLinkError, match="other features"):
+        LerobotDataset(tmp_path, LAYOUT)
 
 
 def test_another_data_set_is_not_mixed_in(tmp_path: Path) -> None:

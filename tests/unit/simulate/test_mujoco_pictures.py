@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import shutil
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from PIL import Image
+from pyarrow import parquet
 
 import unitylink.gym
 from unitylink import connect
@@ -82,6 +84,25 @@ def test_a_served_board_leaves_picture_and_film(url: str, tmp_path: Path) -> Non
     shown.finish()
     assert red(tmp_path / "arm.png")[0] > 0.6
     assert (tmp_path / "arm.gif").stat().st_size > 1000
+
+
+def test_a_data_set_of_lerobot_has_what_a_camera_sees(
+    url: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["record", url, "--lerobot", str(tmp_path / "data"), "--rate", "10", "--count", "6"]
+    assert main([*asked, "--camera", "above:160x120"]) == 0
+    name, files = "observation.images.above", tmp_path / "data/data/chunk-000"
+    rows = parquet.read_table(files / "file-000.parquet", columns=[name])[name].to_pylist()
+    assert len(rows) >= 2
+    for row in rows:
+        with Image.open(io.BytesIO(row["bytes"])) as picture:
+            assert picture.size == (160, 120) and red(picture)[0] > 0.6
+    capsys.readouterr()
+    assert main([*asked, "--camera", "abov"]) == 1
+    assert "the model has no camera 'abov'; nearest: above" in capsys.readouterr().err
+    asked[1] = url.partition("?")[0]
+    assert main([*asked, "--camera", "above"]) == 1
+    assert "the link leads to no model of MuJoCo" in capsys.readouterr().err
 
 
 def test_what_cannot_be_shown_is_told(url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import ctypes
 import importlib.util
 import os
 import sys
+from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
@@ -14,7 +15,7 @@ import mujoco  # type: ignore[import-untyped]
 import numpy as np
 import numpy.typing as npt
 
-from unitylink.errors import ToolError
+from unitylink.errors import ToolError, UnityLinkError
 from unitylink.optional import absent
 
 Pixels = npt.NDArray[np.uint8]  # (height, width, 3)
@@ -25,12 +26,14 @@ _LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
 
 
 class Camera:
-    """Looks at a model: through the first camera that it has, else from where all of it is seen.
+    """Looks at a model: through the camera of this name, or the first one, else from where all is seen.
 
-    Raises ToolError if there is nothing that draws. It says what to install.
+    Raises ToolError if there is nothing that draws. It says what to install. Raises UnityLinkError if the
+    model has no camera of this name.
     """
 
-    def __init__(self, model: Any, width: int = 640, height: int = 480) -> None:
+    def __init__(self, model: Any, width: int = 640, height: int = 480, name: str = "") -> None:
+        number = _number_of(model, name) if name else 0
         self._model = model
         self._area = mujoco.MjrRect(0, 0, width, height)
         visual = model.vis
@@ -52,7 +55,7 @@ class Camera:
         self._options = mujoco.MjvOption()
         self._camera = mujoco.MjvCamera()
         if model.ncam:
-            self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
+            self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, number
         else:
             mujoco.mjv_defaultFreeCamera(model, self._camera)
 
@@ -72,6 +75,14 @@ class Camera:
         self._drawing.make_current()
         self._context.free()
         self._drawing.free()
+
+
+def _number_of(model: Any, name: str) -> int:
+    names = [model.camera(number).name for number in range(model.ncam)]
+    if name not in names:
+        near = ", ".join(get_close_matches(name, names, 3, 0.3) or names) or "none"
+        raise UnityLinkError(f"the model has no camera {name!r}; nearest: {near}")
+    return names.index(name)
 
 
 def has_display() -> bool:

@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 import shutil
-import struct
 import subprocess
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import mujoco  # type: ignore[import-untyped]
-import numpy as np
 
 from unitylink.errors import ToolError, UnityLinkError
 from unitylink.optional import absent
+from unitylink.recording.pictures import png_of
 
 from .camera import Camera, Pixels
 from .plant import MujocoPlant
@@ -117,13 +115,4 @@ def _mp4(path: Path, pictures: list[Pixels], rate_hz: float) -> None:
 
 def write_png(path: Path, pixels: Pixels) -> None:
     """Write a picture as PNG, without a package for it."""
-    height, width, _ = pixels.shape
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)  # before each row is 0: it is not filtered
-    rows[:, 1:] = pixels.reshape(height, 3 * width)
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    parts = chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)), chunk(b"IEND", b"")
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
+    path.write_bytes(png_of(pixels))
