@@ -154,17 +154,19 @@ endmodule
 // A block RAM of an ECP5: 2048 entries of 9 bits, and two ports. A port of 36 or 18 bits has several entries, and the
 // lowest bits of its address are then its byte enables. A port of 4, 2 or 1 bits has a part of the lowest 8 bits. Mode
 // 0 keeps the output in a write, 1 shows what is written, 2 what was there before. With 36 bits there is one memory
-// that port A writes and port B reads, and the upper 18 bits are on the other port's data.
+// that port A writes and port B reads, and the upper 18 bits are on the other port's data. A port that is LATE has a
+// register behind its output, which takes the word of the clock before if OCE is 1.
 module unitylink_ebr #(
   parameter A_WIDTH = 18, parameter B_WIDTH = 18, parameter A_MODE = 0, parameter B_MODE = 0,
+  parameter A_LATE = 0, parameter B_LATE = 0,
   parameter [18431:0] FIRST = 0
 ) (
   input clock,
-  input cea, input wea, input [13:0] ada, input [17:0] dia, output [17:0] doa,
-  input ceb, input web, input [13:0] adb, input [17:0] dib, output [17:0] dob
+  input cea, input ocea, input wea, input [13:0] ada, input [17:0] dia, output [17:0] doa,
+  input ceb, input oceb, input web, input [13:0] adb, input [17:0] dib, output [17:0] dob
 );
   reg [8:0] memory [0:2047];
-  reg [35:0] word_a = 0, word_b = 0;
+  reg [35:0] word_a = 0, word_b = 0, late_a = 0, late_b = 0;
   integer index;
   initial for (index = 0; index < 2048; index = index + 1) memory[index] = FIRST[9 * index +: 9];
 
@@ -196,10 +198,13 @@ module unitylink_ebr #(
   wire [3:0] bytes_a = ~(cea & wea) ? 0 : A_WIDTH == 36 ? ada[3:0] : A_WIDTH == 18 ? {2'b00, ada[1:0]} : 4'b0001;
   wire [3:0] bytes_b = ~(ceb & web) ? 0 : B_WIDTH == 18 ? {2'b00, adb[1:0]} : 4'b0001;
 
-  assign doa = B_WIDTH == 36 ? word_b[17:0] : word_a[17:0];
-  assign dob = B_WIDTH == 36 ? word_b[35:18] : word_b[17:0];
+  wire [35:0] given_word_a = A_LATE ? late_a : word_a, given_word_b = B_LATE ? late_b : word_b;
+  assign doa = B_WIDTH == 36 ? given_word_b[17:0] : given_word_a[17:0];
+  assign dob = B_WIDTH == 36 ? given_word_b[35:18] : given_word_b[17:0];
 
   always @(posedge clock) begin
+    if (ocea) late_a <= word_a;
+    if (oceb) late_b <= word_b;
     for (index = 0; index < 4; index = index + 1) begin
       if (bytes_a[index]) memory[at_a + index] <= merged(A_WIDTH, ada, old_a[9 * index +: 9], given_a[9 * index +: 9]);
       if (bytes_b[index]) memory[at_b + index] <= merged(B_WIDTH, adb, old_b[9 * index +: 9], given_b[9 * index +: 9]);

@@ -34,17 +34,23 @@ class Memory:
         else:
             widths = {port: int(self._values[f"{kind}.DATA_WIDTH_{port}"]) for port in "AB"}
         modes = {port: 0 if wide else _MODES[self._values[f"{kind}.WRITEMODE_{port}"]] for port in "AB"}
-        parameters = [f".{port}_WIDTH({widths[port]}), .{port}_MODE({modes[port]})" for port in "AB"]
+        late = {port: self._values.get(f"REGMODE_{port}") == "OUTREG" for port in "AB"}
+        if wide and any(late.values()):
+            self._check_wide_register(late)
+        parameters = [
+            f".{port}_WIDTH({widths[port]}), .{port}_MODE({modes[port]}), .{port}_LATE({late[port]:d})"
+            for port in "AB"
+        ]
         content = sum(word << 9 * number for number, word in enumerate(self._first))
         links = [f".clock(clock), .doa({name}_a), .dob({name}_b)"]
         for port in "AB":
             if not self._nets.clock((*self._at, f"JCLK{port}_EBR")):  # this port is not used
-                links += [f".{signal}{port.lower()}(1'b0)" for signal in ("ce", "we", "ad", "di")]
+                links += [f".{signal}{port.lower()}(1'b0)" for signal in ("ce", "oce", "we", "ad", "di")]
                 continue
             self._check(port)
             links += [
                 f".{signal.lower()}{port.lower()}({self._control(signal, port, wide)})"
-                for signal in ("CE", "WE")
+                for signal in ("CE", "OCE", "WE")
             ]
             links += [
                 f".{signal.lower()}{port.lower()}({self._bus(signal, port, bits)})"
@@ -69,9 +75,7 @@ class Memory:
     def _check(self, port: str) -> None:
         """Raise ToolError if the memory does something that the model does not do."""
         what = ""
-        if self._values.get(f"REGMODE_{port}") != "NOREG":
-            what = "a register at its output"
-        elif self._net(f"RST{port}") != "~1'b1":
+        if self._net(f"RST{port}") != "~1'b1":
             what = "a reset"
         elif self._values.get(f"CSDECODE_{port}") != "111" or any(
             self._net(f"CS{port}{bit}") != "1'b1" for bit in range(3)
@@ -80,6 +84,15 @@ class Memory:
         elif self._values.get(f"CLK{port}MUX") != f"CLK{port}":
             what = "a falling edge of its clock"
         if what:
-            row, column = self._at
-            at = f"row {row}, column {column}"
-            raise ToolError(f"the bitstream has a block RAM with {what}: that is not modelled ({at})")
+            raise self._refusal(what)
+
+    def _check_wide_register(self, late: Mapping[str, bool]) -> None:
+        """Raise ToolError if the halves of a word do not have the same register. Port B has its enable."""
+        alone = self._net("OCEA")
+        if not all(late.values()) or ("1'b" not in alone and alone != self._net("OCEB")):
+            raise self._refusal("two different registers behind one word")
+
+    def _refusal(self, what: str) -> ToolError:
+        row, column = self._at
+        at = f"row {row}, column {column}"
+        return ToolError(f"the bitstream has a block RAM with {what}: that is not modelled ({at})")
