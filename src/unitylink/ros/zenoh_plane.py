@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     import zenoh
 
 _CALLS = 16  # of a service, that may wait
+_MESSAGE_MOST = 1 << 20  # bytes of a message or call; to read more takes long enough to look like a hang
 
 
 class ZenohPlane(CdrPlane):
@@ -108,7 +109,7 @@ class ZenohPlane(CdrPlane):
         def taken(sample: zenoh.Sample) -> None:
             try:
                 read_attachment(_bytes(sample.attachment))
-                message = kind.deserialize(sample.payload.to_bytes())
+                message = kind.deserialize(_message(sample.payload))
             # for example a name that is not UTF-8, or a length beyond the message's end
             except Exception as error:
                 refuse(topic.name, error)
@@ -134,7 +135,7 @@ class ZenohPlane(CdrPlane):
             with query:  # its end tells the peer that no answer comes, if there was none
                 try:
                     call = read_attachment(_bytes(query.attachment))
-                    message = asked.deserialize(b"" if query.payload is None else query.payload.to_bytes())
+                    message = asked.deserialize(_message(query.payload))
                 except Exception as error:
                     log_refused(name, error)
                     return
@@ -159,6 +160,15 @@ class ZenohPlane(CdrPlane):
 
     def _declared(self, one: Any) -> None:
         self._closing.callback(one.undeclare)
+
+
+def _message(payload: Any) -> bytes:
+    """Return the bytes of a message. Raises ValueError for one that no command of a robot is."""
+    if payload is None:
+        return b""
+    if len(payload) > _MESSAGE_MOST:
+        raise ValueError(f"it has {len(payload)} bytes; expected at most {_MESSAGE_MOST}")
+    return bytes(payload.to_bytes())
 
 
 def _bytes(attachment: Any) -> bytes | None:
