@@ -187,9 +187,10 @@ class Supervisor:
             if not fleet.security:  # else only somebody with a name could ask
                 with contextlib.suppress(LinkNotFound), fleet.network().opened() as session:
                     self._refuse_second(session)
-            raise LinkNotFound(
-                f"{error}; end what is there, or change router below [fleet] in {fleet.file}"
-            ) from None
+            remedy = f"end what is there, or change router below [fleet] in {fleet.file}"
+            if fleet.security:
+                remedy = f"are the certificates there (make_certificates.sh)? If so, {remedy}"
+            raise LinkNotFound(f"{error}; {remedy}") from None
 
     def _refuse_second(self, session: zenoh.Session) -> None:
         for reply in session.get(state_key(self.fleet.name), timeout=_OTHERS_S):
