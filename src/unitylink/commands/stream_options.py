@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from unitylink.server.tls_files import TlsFiles
     from unitylink.streams.mqtt.broker import Broker
     from unitylink.streams.source import Stream
+    from unitylink.zenoh.bridge.bridge import Bridge
 
 
 _OPTIONS = (
@@ -197,6 +199,26 @@ class StreamOptions:
                     reads=url,
                     told=lambda why: complain(f"--zenoh {self.zenoh}: {why}"),
                 )
-                stack.enter_context(bridge)
+                stack.enter_context(_until_it_ends(bridge))
                 lines.append(f"on Zenoh:  zenoh:{bridge.keys.name}, at {where}")
             yield lines
+
+
+@contextmanager
+def _until_it_ends(bridge: Bridge) -> Iterator[None]:
+    """Close a bridge at the end of a `with` block, or before, when it gives up.
+
+    It gives up in a thread of Zenoh, which cannot close the session that runs it.
+    """
+
+    def close() -> None:
+        bridge.ended.wait()
+        bridge.close()
+
+    closer = threading.Thread(target=close, name="zenoh end", daemon=True)
+    closer.start()
+    try:
+        yield
+    finally:
+        bridge.ended.set()
+        closer.join()

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from unit.zenoh.rig import GOAL, HITS, TEXT, free_port
 
 from unitylink import connect
 from unitylink.commands.bridge_zenoh import read_zenoh
-from unitylink.errors import AccessRefused, LeaseHeld
+from unitylink.errors import AccessRefused, LeaseHeld, LinkNotFound
+from unitylink.zenoh.session import Network
 
 
 def test_the_server_and_the_network_share_the_board_and_its_leases(
@@ -67,6 +69,21 @@ def test_the_server_and_the_network_share_the_board_and_its_leases(
             check=False,
         )
         assert second.returncode == 1 and "another bridge serves lab/arm1 already" in second.stderr
+        with Network(connect=router).opened() as stranger:
+            token = stranger.liveliness().declare_token("lab/arm1/bridge/0")
+            assert running.stderr is not None
+            while "another bridge serves lab/arm1, too (0); this one ends" not in (
+                line := next(running.stderr)
+            ):
+                assert "Traceback" not in line
+            token.undeclare()
+        limit_s = time.monotonic() + 20
+        with pytest.raises(LinkNotFound):  # it leaves the network, and was its router
+            while time.monotonic() < limit_s:
+                Network(connect=router).opened().close()
+                time.sleep(0.1)
+        with connect(served) as near:
+            assert near.read(HITS) == 7  # and goes on without it
         running.terminate()
         _, errors = running.communicate(timeout=20)
     assert running.returncode == 0 and "Traceback" not in errors
