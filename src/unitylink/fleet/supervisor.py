@@ -150,9 +150,12 @@ class Supervisor:
         asked_s = 0.0
         while not self._ended.wait(TICK_S):
             now_s = time.monotonic()
+            # Without a router, this program hears nobody. That is no fault of the bridges.
+            deaf = self._router is None and not self._session.info.routers_zid()
             with self._lock:
                 for name, process in self._processes.items():
-                    process.look(now_s, on_network=bool(self._call.of(self.robots[name].key).bridges))
+                    bridges = self._call.of(self.robots[name].key).bridges
+                    process.look(now_s, on_network=deaf or bool(bridges))
             if now_s - asked_s >= ASK_S or self._news.is_set():
                 asked_s = now_s
                 self._news.clear()
