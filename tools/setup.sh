@@ -105,6 +105,11 @@ need_rust() {                             # compiles generated crates; a robot's
   need cargo cargo eval 'cargo --version || /usr/bin/cargo --version'
 }
 
+need_octave() {                           # compiles and runs generated classes of MATLAB
+  need Octave octave command -v octave-cli
+  need "Octave's headers" octave-dev command -v mkoctfile
+}
+
 need_doctest() {
   cxx=${CXX:-c++}
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
@@ -233,6 +238,7 @@ system)
   need "OpenGL in software" libgl1-mesa-dri eval 'ls /usr/lib/*/dri/swrast_dri.so'
   need_ros
   need_rust
+  need_octave
   need_doctest
   need_page
   need_browser

@@ -22,8 +22,8 @@ from .root_option import part_of, root_option
 @click.option(
     "--only",
     metavar="ARTEFACT[,...]",
-    help="Make these: python (the default), cpp, c, rust, fmu, vhdl, bench (of your logic), json, html, "
-    "ros1, ros2, lerobot.",
+    help="Make these: python (the default), cpp, c, rust, matlab, fmu, vhdl, bench (of your logic), json, "
+    "html, ros1, ros2, lerobot.",
 )
 @click.option(
     "--physical",

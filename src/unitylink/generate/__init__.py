@@ -28,6 +28,7 @@ from .fmu import fmu_files
 from .html import html_files
 from .json import json_files
 from .lerobot import lerobot_files
+from .matlab import matlab_files
 from .python import python_files
 from .ros1 import ros1_files
 from .ros2 import ros2_files
@@ -74,6 +75,7 @@ ARTEFACTS: Mapping[str, Artefact] = MappingProxyType(
         "cpp": Artefact(cpp_files),
         "c": Artefact(c_files),
         "rust": Artefact(rust_files),
+        "matlab": Artefact(matlab_files),
         "fmu": Artefact(fmu_files),
         "vhdl": Artefact(vhdl_files, gateware=True),
         "bench": Artefact(bench_files, gateware=True),

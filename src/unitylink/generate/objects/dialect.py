@@ -41,6 +41,10 @@ class Dialect:
             return self.code.of("::unitylink::{}", name)
         return self.code.of("::unitylink::{}::{}", group.title(), name.title())
 
+    def either(self, flags: Sequence[Code]) -> Code:
+        """Return several flags as one number."""
+        return self.code(" | ").join(flags) or self.code("0")
+
     def table(self, kind: str, rows: Sequence[tuple[str, Part]]) -> Code:
         """Return the initialiser of a struct from the names of its members and their values."""
         if not self.rust:

@@ -210,7 +210,6 @@ def _initialiser(
         *flags,
     ]
     set_flags = [dialect.constant("VALUE", name) for name, holds in told if holds]
-    flag = dialect.code(" | ").join(set_flags) or dialect.code("0")
     low, high = (dialect.number(number & (1 << 64) - 1) for number in (codec.low, codec.high))
     ratio = codec.ratio if quantity.scaled and codec.ratio is not None else (0, 0, 0)
     ends = (codec.minimum, codec.maximum) if kind.numeric else (0, codec.mask)
@@ -219,7 +218,7 @@ def _initialiser(
         ("kind", dialect.constant("KIND", kind_of(kind, quantity))),
         ("width", codec.width),
         ("words", max(1, codec.words)),
-        ("flags", flag),
+        ("flags", dialect.either(set_flags)),
         *zip(("link", "memory", "slot"), place, strict=True),
         ("low", low),
         ("high", high),

@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 from .code import Code, Part, UnquotedText, file_name, one_line
 from .cpp import Cpp
+from .matlab import Matlab
 from .python import Python
 from .rust import Rust
 from .scripts import CMake, Markdown, Message, Shell, Tcl, Toml, Yaml
@@ -31,6 +32,7 @@ __all__ = [
     "Cpp",
     "Html",
     "Markdown",
+    "Matlab",
     "Message",
     "Part",
     "Python",
@@ -56,6 +58,7 @@ LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
         ".hpp": Cpp,
         ".html": Html,
         ".launch": Xml,
+        ".m": Matlab,
         ".md": Markdown,
         ".msg": Message,
         ".py": Python,

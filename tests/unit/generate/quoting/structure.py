@@ -95,6 +95,21 @@ _RUST = re.compile(
     |(?P<token>'(?:[^'\\\n]|\\[^\n]+?)'|'?[A-Za-z_]\w*|[0-9][\w.]*|\s+|[^\s"'])""",
     re.VERBOSE | re.DOTALL | re.ASCII,
 )
+_MATLAB = re.compile(
+    r"""(?P<remark>%[^\n]*)|(?P<text>'(?:[^'\n]|'')*'|native2unicode\(uint8\(\[[0-9 ]*\]\),[ ]'UTF-8'\))
+    |(?P<token>\.\.\.[ ]*\n|[A-Za-z]\w*|[0-9][\w.]*|\s+|[^\s"'%\#])""",
+    re.VERBOSE | re.DOTALL | re.ASCII,
+)
+
+
+def _matlab(text: str) -> Hashable:
+    """Some comments act: they begin others of many lines or tests, or `help` shows links and Texinfo."""
+    for match in _MATLAB.finditer(text):
+        if match["remark"] and re.search(r"^%[{}!#]|<\S|-\*-", match["remark"]):
+            raise Broken("MATLAB: a comment that acts")
+    return tuple(_lexed(text, _MATLAB))
+
+
 _VHDL = re.compile(
     r"""(?P<remark>--[^\n]*|/\*.*?\*/)|(?P<text>"(?:[^"\n]|"")*")
     |(?P<token>\\(?:[^\\\n]|\\\\)*\\|'.'|[A-Za-z]\w*|[0-9]\w*|\s+|[^\s"])""",
@@ -148,14 +163,18 @@ def _lexed(text: str, pattern: re.Pattern[str], *, texts: bool = True) -> Iterat
 
 
 def _xml(text: str) -> Hashable:
+    evaluated = [m[1] for m in _XACRO.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)) if m[1]]
+    return _elements(text), tuple(evaluated)
+
+
+def _elements(text: str) -> Hashable:
+    """Nothing evaluates `$(..)` in a unit of FMI or a package of ROS."""
     try:
         builder = ElementTree.TreeBuilder(insert_comments=True, insert_pis=True)
         root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
     except ElementTree.ParseError as error:
         raise Broken(f"XML: {error}") from error
-    evaluated = [m[1] for m in _XACRO.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)) if m[1]]
-    elements = [(str(item.tag), tuple(item.attrib), len(item)) for item in root.iter()]
-    return tuple(elements), tuple(evaluated)
+    return tuple((str(item.tag), tuple(item.attrib), len(item)) for item in root.iter())
 
 
 def _yaml(text: str) -> Hashable:
@@ -247,6 +266,7 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".html": _html,
     ".json": _json,
     ".launch": _xml,
+    ".m": _matlab,
     ".md": _markdown,
     ".msg": _message,
     ".py": _python,
@@ -260,6 +280,6 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".vhd": _vhdl,
     ".xacro": _xml,
     ".xdc": _of(_TCL),
-    ".xml": _xml,
+    ".xml": _elements,
     ".yaml": _yaml,
 }

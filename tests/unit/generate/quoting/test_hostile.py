@@ -22,7 +22,7 @@ from structure import Broken
 
 from unitylink.errors import BindingError
 from unitylink.generate import generate
-from unitylink.generate.quoting import Cpp, Message, Python, Rust, Vhdl, Xacro, Yaml
+from unitylink.generate.quoting import Cpp, Matlab, Message, Python, Rust, Vhdl, Xacro, Yaml
 from unitylink.spec import compile_text
 
 TURNS = range(0, len(PAYLOADS), 12)  # a part of the long form, which brings every payload to every place
@@ -51,6 +51,8 @@ def test_hostile_specs_have_the_structure_of_benign_ones(turn: int) -> None:
         (Python, "text"),
         (Python, "said"),
         (Cpp, "text"),
+        (Matlab, "text"),
+        (Matlab, "remark"),
         (Rust, "text"),
         (Rust, "remark"),
         (Yaml, "text"),

@@ -1,0 +1,40 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function unitylink_build(include, library)
+  % Compile the MEX file beside this file. It is the same for every robot.
+  %
+  % unitylink_build()                  the library is installed where pkg-config finds it
+  % unitylink_build(INCLUDE, LIBRARY)  the folders of unitylink.h and of libunitylink
+  here = fileparts(mfilename('fullpath'));
+  if nargin == 2
+    flags = {['-I' include], ['-L' library]};
+  elseif nargin == 0
+    [failed, told] = system('pkg-config --cflags-only-I --libs-only-L unitylink');
+    if failed
+      error('unitylink:NotFound', ['pkg-config does not find unitylink: install the library, or name its folders, ' ...
+                                   'unitylink_build(INCLUDE, LIBRARY)']);
+    end
+    flags = strsplit(strtrim(told));
+    flags = flags(~cellfun('isempty', flags));
+    [failed, told] = system('pkg-config --variable=libdir unitylink');
+    library = '';
+    if ~failed
+      library = strtrim(told);
+    end
+  else
+    error('unitylink:Argument', 'give both folders, INCLUDE and LIBRARY, or none');
+  end
+  source = fullfile(here, 'mex', 'unitylink_mex.c');
+  before = cd(here);
+  back = onCleanup(@() cd(before));
+  if exist('OCTAVE_VERSION', 'builtin')
+    [told, failed] = mkoctfile('--mex', flags{:}, ['-Wl,-rpath,' library], '-lunitylink', source);
+    if failed
+      error('unitylink:Build', 'unitylink_mex did not compile: %s', told);
+    end
+  else
+    if isunix()
+      flags{end + 1} = ['LDFLAGS=$LDFLAGS -Wl,-rpath,' library];
+    end
+    mex(flags{:}, '-lunitylink', source);
+  end
+end
