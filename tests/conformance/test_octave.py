@@ -147,6 +147,7 @@ EXPECTED = {
     "no place": "unitylink:Argument there is no value at this place",
     "no call": "unitylink:Argument unitylink_mex: there is no such call",
     "no arguments": "unitylink:Argument unitylink_mex: use the classes that unitylink generate makes",
+    "locked": "1",
     "initial": "0.5 1.5 3",
     "written": "1 2 1.5 2",
     "lamps": "1 1 1",
@@ -160,6 +161,7 @@ EXPECTED = {
     "lost": "unitylink:Closed small: ",
     "lost write": "unitylink:Closed small: ",
     "closed": "unitylink:Closed the robot was closed; open it again",
+    "unlocked": "1",
 }
 
 

@@ -48,6 +48,8 @@ told('no place', @() unitylink_mex('read', robot.ul_session.number, 1000));
 told('no call', @() unitylink_mex('nothing', robot.ul_session.number));
 told('no arguments', @() unitylink_mex('read'));
 
+clear mex unitylink_mex
+printf('locked: %d\n', mislocked('unitylink_mex'));
 first = robot.initial();
 printf('initial: %g %g %d\n', first.j(2).target, first.gain, numel(first.lamps));
 first.j(2).target = -1;
@@ -100,3 +102,4 @@ told('lost write', @() put(robot, 'small', 1));
 robot.close();
 robot.close();
 told('closed', @() joint.pos);
+printf('unlocked: %d\n', ~mislocked('unitylink_mex'));

@@ -24,10 +24,9 @@ function unitylink_build(include, library)
     error('unitylink:Argument', 'give both folders, INCLUDE and LIBRARY, or none');
   end
   source = fullfile(here, 'mex', 'unitylink_mex.c');
-  before = cd(here);
-  back = onCleanup(@() cd(before));
   if exist('OCTAVE_VERSION', 'builtin')
-    [told, failed] = mkoctfile('--mex', flags{:}, ['-Wl,-rpath,' library], '-lunitylink', source);
+    made = fullfile(here, ['unitylink_mex.' mexext()]);
+    [told, failed] = mkoctfile('--mex', flags{:}, ['-Wl,-rpath,' library], '-lunitylink', '-o', made, source);
     if failed
       error('unitylink:Build', 'unitylink_mex did not compile: %s', told);
     end
@@ -35,6 +34,6 @@ function unitylink_build(include, library)
     if isunix()
       flags{end + 1} = ['LDFLAGS=$LDFLAGS -Wl,-rpath,' library];
     end
-    mex(flags{:}, '-lunitylink', source);
+    mex(flags{:}, '-lunitylink', '-outdir', here, source);
   end
 end

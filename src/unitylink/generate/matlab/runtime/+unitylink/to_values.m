@@ -20,10 +20,8 @@ function values = taken(path, set, given, values)
   if numel(given) ~= 1
     error('unitylink:Argument', '%s: one struct is expected, and %d were given; nothing was sent', path, numel(given));
   end
-  known = cell(1, numel(set.rows));
   for place = 1:numel(set.rows)
     [name, count, inner] = set.rows{place}{:};
-    known{place} = name;
     if ~isfield(given, name)
       error('unitylink:Argument', '%s: the field %s is missing in the struct; nothing was sent', path, name);
     end
@@ -40,8 +38,9 @@ function values = taken(path, set, given, values)
       end
     end
   end
-  other = setdiff(fieldnames(given), known);
-  if ~isempty(other)
+  if numel(fieldnames(given)) > numel(set.rows)
+    known = cellfun(@(row) row{1}, set.rows, 'UniformOutput', false);
+    other = setdiff(fieldnames(given), known);
     error('unitylink:Argument', '%s: there is no output %s; nothing was sent', path, other{1});
   end
 end

@@ -8,14 +8,16 @@
 #include "call.h"
 
 static loop* loop_made(call* now) {
-  loop* made = (loop*)room_of(&now->robot->blocks, 1, sizeof *made);
+  loop* made = (loop*)calloc(1, sizeof *made);
+  free_ended(now->robot);
+  if (made == NULL) raise_text(UL_NO_MEMORY, "no memory is left");
   made->next = now->robot->loops;
+  now->robot->loops = made;
   return made;
 }
 
 static void loop_begins(call* now, loop* made) {
   made->number = ++last_number;
-  now->robot->loops = made;
   now->made[0] = mxCreateDoubleScalar(made->number);
 }
 
@@ -32,9 +34,10 @@ static loop* loop_of(const call* now, bool streams) {
 static void open_cycle(call* now) {
   loop* made;
   size_t words;
-  block** blocks = &now->robot->blocks;
+  block** blocks;
   needs(now, 5);
   made = loop_made(now);
+  blocks = &made->blocks;
   made->cycle.first = count_of(now->given[2]);
   made->outputs = set_of(now->robot, blocks, now->given[1], made->cycle.first, now->given[3]);
   made->inputs = set_of(now->robot, blocks, now->given[1], made->cycle.first, now->given[4]);
@@ -62,11 +65,8 @@ static void exchange(call* now) {
 }
 
 static void close_cycle(call* now) {
-  loop* one;
   needs(now, 2);
-  one = loop_of(now, false);
-  ul_cycle_close(&one->cycle);
-  one->number = 0;
+  end_loop(loop_of(now, false));
 }
 
 /* name, places, divisor, room for publishes -> number of the stream */
@@ -75,11 +75,11 @@ static void start(call* now) {
   needs(now, 5);
   made = loop_made(now);
   made->streams = true;
-  made->inputs = set_of(now->robot, &now->robot->blocks, now->given[1], 0, now->given[2]);
+  made->inputs = set_of(now->robot, &made->blocks, now->given[1], 0, now->given[2]);
   made->stream.objects = &now->robot->objects;
   made->stream.set = &made->inputs;
   made->stream.divisor = count_of(now->given[3]);
-  made->stream.room = (uint32_t*)room_of(&now->robot->blocks, 2U * made->inputs.words, sizeof(uint32_t));
+  made->stream.room = (uint32_t*)room_of(&made->blocks, 2U * made->inputs.words, sizeof(uint32_t));
   must(now, ul_stream_start(&made->stream, count_of(now->given[4]), &now->failure));
   loop_begins(now, made);
 }
@@ -136,11 +136,8 @@ static void lost(call* now) {
 }
 
 static void stop(call* now) {
-  loop* one;
   needs(now, 2);
-  one = loop_of(now, true);
-  ul_stream_stop(&one->stream);
-  one->number = 0;
+  end_loop(loop_of(now, true));
 }
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "conversion.h"
 
-/* A cycle or a stream. `number` 0: closed. */
+/* A cycle or a stream. `number` 0: closed, or an error left it half made. */
 typedef struct loop {
   struct loop* next;
   uint32_t number;
@@ -16,6 +16,7 @@ typedef struct loop {
   ul_set outputs, inputs;
   ul_cycle cycle;
   ul_stream stream;
+  block* blocks;
 } loop;
 
 typedef struct session {
@@ -35,14 +36,31 @@ static session* sessions = NULL;
 static session* opening = NULL; /* an error in its tables left it half made */
 static uint32_t last_number = 0;
 
-static void free_session(session* robot) {
-  for (loop* one = robot->loops; one != NULL; one = one->next) {
-    if (one->number == 0) continue;
-    if (one->streams)
-      ul_stream_stop(&one->stream);
-    else
-      ul_cycle_close(&one->cycle);
+static void end_loop(loop* one) {
+  if (one->number == 0) return;
+  if (one->streams)
+    ul_stream_stop(&one->stream);
+  else
+    ul_cycle_close(&one->cycle);
+  one->number = 0;
+}
+
+static void free_ended(session* robot) {
+  for (loop** at = &robot->loops; *at != NULL;) {
+    loop* one = *at;
+    if (one->number != 0) {
+      at = &one->next;
+      continue;
+    }
+    *at = one->next;
+    free_blocks(one->blocks);
+    free(one);
   }
+}
+
+static void free_session(session* robot) {
+  for (loop* one = robot->loops; one != NULL; one = one->next) end_loop(one);
+  free_ended(robot);
   for (uint32_t i = 0; i < robot->opened_count; ++i) ul_free(robot->opened[i]);
   free_blocks(robot->blocks);
   free(robot);
@@ -54,6 +72,7 @@ static void close_session(uint32_t number) {
     if (robot->number != number) continue;
     *at = robot->next;
     free_session(robot);
+    if (sessions == NULL) mexUnlock();
     return;
   }
 }
@@ -179,6 +198,8 @@ static session* open_session(const mxArray* table, const mxArray* urls) {
   for (uint32_t i = 0; i < robot->facts.link_count; ++i) robot->objects.links[i] = robot->opened[given == 1 ? 0 : i];
   if (ul_objects_check(&robot->objects, &failure) != UL_OK) give_up(failure.status, failure.text);
   opening = NULL;
+  /* else `clear mex` would begin the numbers anew, and an old object would have this robot */
+  if (sessions == NULL) mexLock();
   robot->number = ++last_number;
   robot->next = sessions;
   sessions = robot;
