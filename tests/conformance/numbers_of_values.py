@@ -46,10 +46,16 @@ def random_spec(seed: int) -> Spec:
     return spec
 
 
-def compare_numbers(program: Path, spec: Spec, seed: int, written: Callable[[float], str]) -> None:
+def compare_numbers(
+    program: Path | list[str | Path],
+    spec: Spec,
+    seed: int,
+    written: Callable[[float], str],
+    rounds: int = 60,
+) -> None:
     """Ask a program for random numbers, and compare its answers with Python's.
 
-    `written` writes a real number.
+    `written` writes a real number. `rounds` is how often each value is asked for.
     """
     chance = random.Random(seed)
     asked: list[str] = []
@@ -57,7 +63,7 @@ def compare_numbers(program: Path, spec: Spec, seed: int, written: Callable[[flo
     for index, (_, element) in enumerate(spec.walk()):
         codec = Codec(element.path, Quantity.of(element), 32, commanded=True)
         whole = codec.integer_sign is not None
-        for _ in range(60):
+        for _ in range(rounds):
             raw = chance.choice([0, 1, codec.mask, codec.mask >> 1, chance.getrandbits(codec.width)])
             value = codec.decode(raw)
             asked.append(f"d {index} {raw}")
@@ -73,7 +79,8 @@ def compare_numbers(program: Path, spec: Spec, seed: int, written: Callable[[flo
                 wanted.append(codec.encode(number))
             except ValueRangeError:
                 wanted.append(None)
-    done = subprocess.run([program], input="\n".join(asked), capture_output=True, text=True, check=True)
+    command = [program] if isinstance(program, Path) else program
+    done = subprocess.run(command, input="\n".join(asked), capture_output=True, text=True, check=True)
     found = done.stdout.splitlines()
     assert len(found) == len(wanted)
     for question, ours, theirs in zip(asked, found, wanted, strict=True):

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from conformance.boards import Still, output, still
+from conformance.numbers_of_values import compare_numbers, random_spec
 
 from unitylink.generate import generate, write_files
 from unitylink.simulate import Board
@@ -23,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent / "objects"
 LOOP = ROOT / "examples" / "control_loop"
 SCARA = ROOT / "examples" / "scara" / "scara.ul"
+SEED = 1
 TYPED = ROOT / "tests" / "unit" / "generate" / "typed.ul"
 PAGE = (ROOT / "docs" / "matlab.md").read_text("utf-8")
 # Names that mean something else in MATLAB or Octave, or are names of what is generated.
@@ -74,7 +76,11 @@ def octave(library: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str 
     folder = tmp_path_factory.mktemp("octave") / "matlab"
     awkward = compile_text(AWKWARD, "awkward.ul").spec
     assert awkward is not None
-    for spec in (*map(load, (HERE / "steps.ul", LOOP / "joint.ul", SCARA, TYPED)), awkward):
+    for spec in (
+        *map(load, (HERE / "steps.ul", LOOP / "joint.ul", SCARA, TYPED)),
+        random_spec(SEED),
+        awkward,
+    ):
         write_files(generate(spec, "matlab"), folder.parent)
     command: list[str | Path] = ["octave-cli", "--norc", "--quiet", "--no-history", "--path", folder]
     include = ROOT / "native" / "include"
@@ -163,6 +169,12 @@ EXPECTED = {
     "closed": "unitylink:Closed the robot was closed; open it again",
     "unlocked": "1",
 }
+
+
+def test_numbers_become_the_same_words_as_in_python(octave: list[str | Path]) -> None:
+    spec = random_spec(SEED)
+    with Board(spec, endpoint="tcp") as board:
+        compare_numbers([*octave, HERE / "codec.m", board.url], spec, SEED, repr, rounds=15)
 
 
 def test_a_board_with_another_spec_is_refused(octave: list[str | Path]) -> None:

@@ -31,6 +31,27 @@ static void write_value(call* now) {
   must(now, ul_value_write(&now->robot->objects, place, raw, &now->failure));
 }
 
+/* place, raw number -> value. Nothing is sent. */
+static void decode_raw(call* now) {
+  uint32_t place;
+  uint64_t raw;
+  needs(now, 3);
+  place = place_of(now);
+  raw = bits_of(now->given[2], 0);
+  now->made[0] = column(&now->robot->facts.values[place], now->robot->packed[place], &raw, 1, 1);
+}
+
+/* place, value -> raw number. Nothing is sent. */
+static void encode_raw(call* now) {
+  uint32_t place;
+  uint64_t raw = 0;
+  needs(now, 3);
+  place = place_of(now);
+  must(now, encode(&now->robot->facts.values[place], now->robot->packed[place], now->given[2], &raw, &now->failure));
+  now->made[0] = mxCreateNumericMatrix(1, 1, mxUINT64_CLASS, mxREAL);
+  *(uint64_t*)mxGetData(now->made[0]) = raw;
+}
+
 /* name, first, places, consistent -> values */
 static void read_set(call* now) {
   uint32_t first, *room;
@@ -98,10 +119,15 @@ static void arm(call* now) {
 static const struct {
   const char* what;
   void (*run)(call* now);
-} calls[] = {{"read", read_value}, {"write", write_value},     {"read_set", read_set}, {"write_set", write_set},
-             {"initial", initial}, {"cycle", open_cycle},      {"exchange", exchange}, {"close_cycle", close_cycle},
-             {"start", start},     {"wait", wait_publish},     {"poll", poll},         {"lost", lost},
-             {"stop", stop},       {"unverified", unverified}, {"dead_man", dead_man}, {"arm", arm}};
+} calls[] = {{"read", read_value},   {"write", write_value},
+             {"read_set", read_set}, {"write_set", write_set},
+             {"decode", decode_raw}, {"encode", encode_raw},
+             {"initial", initial},   {"cycle", open_cycle},
+             {"exchange", exchange}, {"close_cycle", close_cycle},
+             {"start", start},       {"wait", wait_publish},
+             {"poll", poll},         {"lost", lost},
+             {"stop", stop},         {"unverified", unverified},
+             {"dead_man", dead_man}, {"arm", arm}};
 
 void mexFunction(int left, mxArray* made[], int right, const mxArray* given[]) {
   char what[16] = "";
