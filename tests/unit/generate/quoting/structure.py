@@ -153,9 +153,13 @@ def _xml(text: str) -> Hashable:
         root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
     except ElementTree.ParseError as error:
         raise Broken(f"XML: {error}") from error
+    return tuple((str(item.tag), tuple(item.attrib), len(item)) for item in root.iter())
+
+
+def _xacro(text: str) -> Hashable:
+    """The structure of XML in which ROS also evaluates texts such as $(find y)."""
     evaluated = [m[1] for m in _XACRO.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)) if m[1]]
-    elements = [(str(item.tag), tuple(item.attrib), len(item)) for item in root.iter()]
-    return tuple(elements), tuple(evaluated)
+    return _xml(text), tuple(evaluated)
 
 
 def _yaml(text: str) -> Hashable:
@@ -246,7 +250,7 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".hpp": _cpp,
     ".html": _html,
     ".json": _json,
-    ".launch": _xml,
+    ".launch": _xacro,
     ".md": _markdown,
     ".msg": _message,
     ".py": _python,
@@ -258,7 +262,7 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".toml": _of(_LINES),
     ".txt": _of(_CMAKE),
     ".vhd": _vhdl,
-    ".xacro": _xml,
+    ".xacro": _xacro,
     ".xdc": _of(_TCL),
     ".xml": _xml,
     ".yaml": _yaml,
