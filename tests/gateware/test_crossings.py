@@ -21,6 +21,8 @@ from unitylink.generate.vhdl import design_name
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import compile_text, load
 
+pytestmark = pytest.mark.xdist_group("crossings")  # they share the designs
+
 SPEC = "public small() { @x = 0x7: READ(); @y = 0x8: WRITE(); }"
 FT245 = ("rxf_n", "txe_n", "data_in")
 
@@ -144,21 +146,20 @@ def crossings() -> set[tuple[str, bool]]:
     }
 
 
-@pytest.mark.parametrize(("file", "form"), [("crossings.xdc", VIVADO), ("crossings.sdc", QUARTUS)])
-def test_each_crossing_has_its_constraint_and_each_constraint_its_crossing(
-    file: str, form: re.Pattern[str]
-) -> None:
-    found = form.findall((CONSTRAINTS / file).read_text(encoding="utf-8"))
-    patterns = [(pattern.replace("|", "/"), bool(clear)) for pattern, clear in found]
-    assert len(patterns) == 4
-    bound = {
-        pattern: {
-            name for name, clears in crossings() if clears == clear and fnmatchcase("/" + name, pattern)
+def test_each_crossing_has_its_constraint_and_each_constraint_its_crossing() -> None:
+    crossing = crossings()
+    for file, form in (("crossings.xdc", VIVADO), ("crossings.sdc", QUARTUS)):
+        found = form.findall((CONSTRAINTS / file).read_text(encoding="utf-8"))
+        patterns = [(pattern.replace("|", "/"), bool(clear)) for pattern, clear in found]
+        assert len(patterns) == 4
+        bound = {
+            pattern: {
+                name for name, clears in crossing if clears == clear and fnmatchcase("/" + name, pattern)
+            }
+            for pattern, clear in patterns
         }
-        for pattern, clear in patterns
-    }
-    assert all(bound.values()), [pattern for pattern, names in bound.items() if not names]
-    assert set().union(*bound.values()) == {name for name, _ in crossings()}
+        assert all(bound.values()), [pattern for pattern, names in bound.items() if not names]
+        assert set().union(*bound.values()) == {name for name, _ in crossing}
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,8 @@ RINGS: dict[str, dict[str, Any]] = {
 
 
 # In long only: test_packets notices a wide check that is wrong, and a cut of one of two rings runs with it.
-LONG = {"wide_check"}
+# Two rings have exact hops.
+LONG = {"wide_check", "exact_hops"}
 
 
 @pytest.mark.parametrize(
@@ -44,6 +45,7 @@ def test_a_ring_exchanges_and_comes_through_faults(ghdl: Any, name: str) -> None
     ghdl.run("tosnet_ring_tb", **{"watchdog_bits": 8000, "cycles": 10, **RINGS[name]})
 
 
+@pytest.mark.long  # five nodes do the same
 def test_fifteen_nodes_keep_the_published_cycle(ghdl: Any) -> None:
     ghdl.run("tosnet_ring_tb", nodes=15, cycles=2, cut=False, resets=0, messages=False)
 
@@ -89,7 +91,9 @@ def test_the_line_is_the_published_one(ghdl: Any, tmp_path: Path, nodes: int, cl
     assert {len(body) for body in data} == {16 + 32 * nodes}
 
 
-@pytest.mark.parametrize(("slaves", "rounds", "seed"), [(2, 3, 1), (4, 1, 2)])
+@pytest.mark.parametrize(
+    ("slaves", "rounds", "seed"), [(2, 3, 1), pytest.param(4, 1, 2, marks=pytest.mark.long)]
+)
 def test_the_bridge_shows_the_ring_to_the_bus(ghdl: Any, slaves: int, rounds: int, seed: int) -> None:
     ghdl.run("tosnet_bridge_tb", slaves=slaves, rounds=rounds, seed=seed)
 

@@ -88,6 +88,7 @@ def test_a_plant_has_the_words_at_the_pins(link: Link) -> None:
         registers[0x12]
 
 
+@pytest.mark.long  # the way is that of an iCE40; test_ecp5 compares a design with its bitstream
 def test_words_are_at_the_pins_of_an_ecp5(spec: Path) -> None:
     with connect(f"bit:{spec}?board=ulx3s:25f") as link:
         pins = link.board.pins

@@ -163,18 +163,18 @@ def _lexed(text: str, pattern: re.Pattern[str], *, texts: bool = True) -> Iterat
 
 
 def _xml(text: str) -> Hashable:
-    evaluated = [m[1] for m in _XACRO.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)) if m[1]]
-    return _elements(text), tuple(evaluated)
-
-
-def _elements(text: str) -> Hashable:
-    """Nothing evaluates `$(..)` in a unit of FMI or a package of ROS."""
     try:
         builder = ElementTree.TreeBuilder(insert_comments=True, insert_pis=True)
         root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
     except ElementTree.ParseError as error:
         raise Broken(f"XML: {error}") from error
     return tuple((str(item.tag), tuple(item.attrib), len(item)) for item in root.iter())
+
+
+def _xacro(text: str) -> Hashable:
+    """The structure of XML in which ROS also evaluates texts such as $(find y)."""
+    evaluated = [m[1] for m in _XACRO.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)) if m[1]]
+    return _xml(text), tuple(evaluated)
 
 
 def _yaml(text: str) -> Hashable:
@@ -265,7 +265,7 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".hpp": _cpp,
     ".html": _html,
     ".json": _json,
-    ".launch": _xml,
+    ".launch": _xacro,
     ".m": _matlab,
     ".md": _markdown,
     ".msg": _message,
@@ -278,8 +278,8 @@ _READERS: dict[str, Callable[[str], Hashable]] = {
     ".toml": _of(_LINES),
     ".txt": _of(_CMAKE),
     ".vhd": _vhdl,
-    ".xacro": _xml,
+    ".xacro": _xacro,
     ".xdc": _of(_TCL),
-    ".xml": _elements,
+    ".xml": _xml,
     ".yaml": _yaml,
 }
