@@ -131,6 +131,8 @@ class Screen(App[None]):
             self.exit()
             return
         self._feed.gather()
+        if not self.screen_stack or not self.screen_stack[0].query("#keys"):
+            return  # the screen is not there yet, or no more
         now_s = self._link.now_s()
         width = self.size.width
         if time.monotonic() - self._asked_s >= 1.0:
