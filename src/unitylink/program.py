@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from queue import SimpleQueue
 from typing import Any, NoReturn
 
 from unitylink.errors import UnityLinkError
@@ -63,10 +64,26 @@ def ended_by_signals() -> Iterator[None]:
 
 @contextmanager
 def stopped_by_signals() -> Iterator[threading.Event]:
-    """Yield an event that SIGINT and SIGTERM set. These signals then do nothing else."""
+    """Yield an event that SIGINT and SIGTERM set. These signals then do nothing else.
+
+    A thread sets it. A handler that did so itself would wait for ever if it came while the main thread, which
+    runs it, holds the lock of the event. That is so for a moment of each `wait`.
+    """
     stop = threading.Event()
-    with _heard_by(lambda *_: stop.set()):
-        yield stop
+    signals: SimpleQueue[bool] = SimpleQueue()  # a handler may put something into it at any moment
+
+    def follow() -> None:
+        while signals.get():
+            stop.set()
+
+    thread = threading.Thread(target=follow, name="unitylink signals", daemon=True)
+    thread.start()
+    try:
+        with _heard_by(lambda *_: signals.put(True)):
+            yield stop
+    finally:
+        signals.put(False)
+        thread.join()
 
 
 @contextmanager
