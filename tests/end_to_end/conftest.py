@@ -18,6 +18,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SCARA = ROOT / "examples" / "scara" / "scara.ul"
+# There are no wheels of MuJoCo for an older Python.
+MUJOCO = pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
 UNITYLINK = Path(sys.executable).with_name("unitylink")
 PATIENCE_S = 60  # how long a command may take on a loaded machine before the test calls it hung
 

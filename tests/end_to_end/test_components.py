@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -22,7 +21,8 @@ from unitylink.simulate.rtl import RtlBoard
 from unitylink.simulate.rtl.board import rtl_configuration
 from unitylink.spec import Spec, compile_text
 
-ROOT = Path(__file__).resolve().parents[2]
+from .conftest import MUJOCO, ROOT
+
 TEXT = """
 link cart (ADDRESS=8);
 public cart() {
@@ -273,7 +273,7 @@ model = "cart.xml"
 """
 
 
-@pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
+@MUJOCO
 @pytest.mark.parametrize("scheme", ["sim", "rtl"])
 def test_joints_of_mujoco_are_turned_by_pins_and_safe_when_their_model_fails(
     scheme: str, spec: Spec, tmp_path: Path

@@ -7,9 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
+from .conftest import MUJOCO
 
-pytestmark = pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
+pytestmark = MUJOCO
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "reach"
 

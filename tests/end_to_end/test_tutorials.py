@@ -16,11 +16,9 @@ import pytest
 
 from unitylink.boards.memories import memories_of
 
-from .conftest import PATIENCE_S, ROOT
+from .conftest import MUJOCO, PATIENCE_S, ROOT
 
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```", re.M | re.S)
-
-MUJOCO = pytest.mark.skipif(sys.version_info < (3, 11), reason="MuJoCo wants Python 3.11")
 
 
 def script_of(page: str) -> str:

@@ -18,34 +18,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ros.nodes import PATIENCE_S, RIG, generated_node, node_here, store, until
 
-from unitylink import connect
 from unitylink.generate import write
-from unitylink.layer4_data import load_spec_objects
 from unitylink.ros import Topic, plan_interface
 from unitylink.ros.dds import DdsPlane
 from unitylink.ros.dds_types import DdsTypes
-from unitylink.ros.definitions import definition
-from unitylink.ros.node import Options, RobotNode
+from unitylink.ros.node import RobotNode
 from unitylink.ros.plane import SERVICE_FIELDS
 from unitylink.ros.standard import STANDARD, definitions
 from unitylink.simulate import Board
 from unitylink.spec import load
 
-RIG = Path(__file__).with_name("rig.ul")
 MakeBoard = Callable[..., Board]
-PATIENCE_S = 120.0
-
-
-def store() -> Any:
-    """Return rosbags' own store of ROS 2's messages, with those of the rig's package."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    known = get_typestore(Stores.ROS2_HUMBLE)
-    interface = plan_interface(load(RIG))
-    for message in interface.messages:
-        known.register(get_types_from_msg(definition(message), f"{interface.package}/msg/{message.name}"))
-    return known
 
 
 @pytest.fixture(scope="module")
@@ -151,48 +136,17 @@ class Peer:
         return found[-1]
 
 
-def until(holds: Callable[[], Any]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not holds():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
-
-
 @pytest.fixture
-def node(tmp_path: Path, board: MakeBoard, domain: int) -> Iterator[tuple[Board, subprocess.Popen[str]]]:
-    """The generated ROS 2 node of the rig, where no ROS 2 is installed."""
+def node(tmp_path: Path, board: MakeBoard, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Board]:
+    """The board of the rig behind its generated node."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     device = board("rig", "still")
-    write(load(RIG), tmp_path, "ros2")
-    package = tmp_path / "ros2" / "rig_unitylink"
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            package / "scripts" / "node.py",
-            "--dds",
-            "--ros-args",
-            "-p",
-            f"link:={device.url}?timeout=2",
-        ],
-        env=os.environ | {"PYTHONPATH": str(package), "ROS_DOMAIN_ID": str(domain)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    yield device, process
-    process.send_signal(signal.SIGINT)
-    try:
-        out, _ = process.communicate(timeout=PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        out, _ = process.communicate()
-    print(out)
-    assert process.returncode == 0, out
+    with generated_node(tmp_path, device, "--dds"):
+        yield device
 
 
-def test_generated_node_on_dds(
-    node: tuple[Board, subprocess.Popen[str]], domain: int, types: DdsTypes, rosbags: Any
-) -> None:
-    device, _ = node
+def test_generated_node_on_dds(node: Board, domain: int, types: DdsTypes, rosbags: Any) -> None:
+    device = node
     device.registers[0x10], device.registers[0x11], device.registers[0x1] = 500, 0xFF9C, 0b1011
     peer = Peer(domain, types)
     captured: list[bytes] = []
@@ -238,20 +192,11 @@ def test_generated_node_on_dds(
     assert status.level == 0 and status.hardware_id.startswith(device.url)
 
 
-@pytest.fixture
-def node_here(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]]:
-    """A node on DDS within this process, so that the test can reach its threads."""
-    device, spec = board("rig", "still"), load(RIG)
-    interface = plan_interface(spec)
-    plane = DdsPlane(interface, "rig", domain)
-    plane.life.patience_s = 0.5
-    node = RobotNode(
-        interface,
-        plane,
-        lambda: connect(f"{device.url}?timeout=5", reconnect="auto"),
-        lambda link: load_spec_objects(spec, link),
-        Options(deadman_s=0.5),
-    )
+@pytest.fixture(name="node_here")
+def node_on_dds(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]]:
+    device = board("rig", "still")
+    plane = DdsPlane(plan_interface(load(RIG)), "rig", domain)
+    node = node_here(plane, device)
     plane.start()
     until(node.keeper.up.is_set)
     yield node, device

@@ -17,13 +17,11 @@ import numpy as np
 import pytest
 import zenoh
 from ros.conftest import free_port
-from ros.test_dds import RIG, store, until
+from ros.nodes import RIG, generated_node, store, until
 
-from unitylink.generate import write
 from unitylink.ros.rmw_zenoh import Attachment, gid_of, read_attachment
 from unitylink.ros.zenoh_session import RosSession
 from unitylink.simulate import Board
-from unitylink.spec import load
 
 JOINTS, TIME = "sensor_msgs/msg/JointState", "builtin_interfaces/msg/Time"
 
@@ -80,29 +78,12 @@ def peer(monkeypatch: pytest.MonkeyPatch) -> Iterator[Peer]:
 
 @pytest.fixture
 def device(tmp_path: Path, board: Callable[..., Board], peer: Peer) -> Iterator[Board]:
-    """The board of the rig behind its generated node, where no ROS 2 is installed."""
+    """The board of the rig behind its generated node."""
     made = board("rig", "still")
-    write(load(RIG), tmp_path, "ros2")
-    package = tmp_path / "ros2" / "rig_unitylink"
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            package / "scripts" / "node.py",
-            "--zenoh",
-            "--ros-args",
-            "-p",
-            f"link:={made.url}?timeout=2",
-        ],
-        env=os.environ | {"PYTHONPATH": str(package)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    yield made
-    process.send_signal(signal.SIGINT)
-    out, _ = process.communicate(timeout=60)
-    assert process.returncode == 0, out
-    assert "the message does not have its type" in out and "Traceback" not in out, out
+    with generated_node(tmp_path, made, "--zenoh") as output:
+        yield made
+    said = output()
+    assert "the message does not have its type" in said and "Traceback" not in said, said
     until(lambda: not peer.tokens())  # it has left
 
 

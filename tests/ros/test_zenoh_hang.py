@@ -10,12 +10,9 @@ from collections.abc import Callable
 import pytest
 import zenoh
 from ros.conftest import free_port
-from ros.test_dds import PATIENCE_S, RIG, store, until
+from ros.nodes import PATIENCE_S, RIG, node_here, store, until
 
-from unitylink import connect
-from unitylink.layer4_data import load_spec_objects
 from unitylink.ros import plan_interface
-from unitylink.ros.node import Options, RobotNode
 from unitylink.ros.rmw_zenoh import Attachment
 from unitylink.ros.zenoh_plane import ZenohPlane
 from unitylink.simulate import Board
@@ -28,17 +25,9 @@ def test_a_node_without_a_router_works_when_one_comes_and_is_safe_when_its_threa
 ) -> None:
     router = f"tcp/127.0.0.1:{free_port()}"
     monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", f'connect/endpoints=["{router}"]')
-    device, spec = board("rig", "still"), load(RIG)
-    interface = plan_interface(spec)
-    plane = ZenohPlane(interface, "rig", 7)
-    plane.life.patience_s = 0.5
-    node = RobotNode(
-        interface,
-        plane,
-        lambda: connect(f"{device.url}?timeout=5", reconnect="auto"),
-        lambda link: load_spec_objects(spec, link),
-        Options(deadman_s=0.5),
-    )
+    device = board("rig", "still")
+    plane = ZenohPlane(plan_interface(load(RIG)), "rig", 7)
+    node = node_here(plane, device)
     plane.start()
     held = threading.Event()
     try:

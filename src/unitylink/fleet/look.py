@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from unitylink.zenoh.session import Network
 
 from .description import Fleet
 from .report import RobotReport, report_of
-from .roll_call import RollCall
+from .roll_call import RollCall, told_by
 from .supervisor import state_key
 
 if TYPE_CHECKING:
@@ -58,11 +57,6 @@ def _opened(network: Network, limit_s: float) -> zenoh.Session:
 def _told(session: zenoh.Session, name: str) -> dict[str, Any]:
     """Return what the program that runs the fleet tells, or nothing."""
     for reply in session.get(state_key(name), timeout=ANSWER_S):
-        if reply.ok is not None:
-            try:
-                told = json.loads(reply.ok.payload.to_bytes())
-            except (ValueError, RecursionError):
-                continue
-            if isinstance(told, dict):
-                return told
+        if (told := told_by(reply)) is not None:
+            return told
     return {}

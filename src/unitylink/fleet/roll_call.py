@@ -117,13 +117,7 @@ class RollCall:
         import zenoh
 
         def take(reply: zenoh.Reply) -> None:
-            if reply.ok is None or len(reply.ok.payload) > _STATE_BYTES_MAX:
-                return
-            try:
-                told = json.loads(reply.ok.payload.to_bytes())
-            except (ValueError, RecursionError):
-                return
-            if isinstance(told, dict):
+            if (told := told_by(reply)) is not None:
                 with self._lock:
                     self._presences[key].state = told
                     self._presences[key].told_s = time.monotonic()
@@ -134,3 +128,14 @@ class RollCall:
                 self._answered.notify_all()
 
         return zenoh.handlers.Callback(take, over)
+
+
+def told_by(reply: zenoh.Reply) -> dict[str, Any] | None:
+    """Return the object of JSON in a reply, or None. Anybody may have sent it."""
+    if reply.ok is None or len(reply.ok.payload) > _STATE_BYTES_MAX:
+        return None
+    try:
+        told = json.loads(reply.ok.payload.to_bytes())
+    except (ValueError, RecursionError):
+        return None
+    return told if isinstance(told, dict) else None

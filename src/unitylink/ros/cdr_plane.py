@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -62,3 +63,21 @@ class CdrPlane:
     def service_name(self, kind: str) -> str:
         """Return the type of a service with its package: the robot's own, if `kind` names none."""
         return kind if "/" in kind else f"{self._interface.package}/{kind}"
+
+
+class Matched:
+    """Whether somebody reads a topic. The network is asked a few times a second, and not at each message."""
+
+    PERIOD_S = 0.1
+
+    def __init__(self, ask: Callable[[], object]) -> None:
+        self._ask = ask
+        self._asked_s = float("-inf")
+        self._matched = False
+
+    def __call__(self) -> bool:
+        now = time.monotonic()
+        if now - self._asked_s > self.PERIOD_S:
+            self._asked_s = now
+            self._matched = bool(self._ask())
+        return self._matched

@@ -6,14 +6,13 @@ Its topics and services are on cyclonedds, and genuine ROS 2 sees them.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from unitylink.optional import absent
 
-from .cdr_plane import COMMANDS, NODE, CdrPlane
+from .cdr_plane import COMMANDS, NODE, CdrPlane, Matched
 from .dds_graph import DdsGraph
 from .dds_reader import DdsReader
 from .dds_writer import Here, gathering_writer
@@ -62,7 +61,7 @@ class DdsPlane(CdrPlane):
         writer = self._writer(
             f"rt/{self.name(topic.name)}", kind, topic.queue, topic.reliable, gathering_writer()
         )
-        return Port(writer.sender(self._here), Matched(writer))
+        return Port(writer.sender(self._here), Matched(writer.get_matched_subscriptions))
 
     @contextmanager
     def gathered(self) -> Iterator[None]:
@@ -135,21 +134,3 @@ class DdsPlane(CdrPlane):
         made = DataReader(self._participant, topic, qos=qos)
         self._graph.add_reader(made)
         return made
-
-
-class Matched:
-    """Whether a writer has readers. DDS is asked a few times a second, and not at each message."""
-
-    PERIOD_S = 0.1
-
-    def __init__(self, writer: Any) -> None:
-        self._writer = writer
-        self._asked_s = float("-inf")
-        self._matched = False
-
-    def __call__(self) -> bool:
-        now = time.monotonic()
-        if now - self._asked_s > self.PERIOD_S:
-            self._asked_s = now
-            self._matched = bool(self._writer.get_matched_subscriptions())
-        return self._matched

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any
 
-from .standard import Fields
+from .standard import NOTHING, Fields
 
 _CODES = {
     "bool": "?",
@@ -24,7 +24,6 @@ _CODES = {
     "float32": "f",
     "float64": "d",
 }
-_NOTHING: Fields = (("structure_needs_at_least_one_member", "uint8"),)
 
 
 class DdsTypes:
@@ -46,13 +45,13 @@ class DdsTypes:
         The message's number comes first in it, as DDS needs it.
         """
         return self.part_of_service(
-            name, part, (("guid", "uint64"), ("number", "int64"), *(fields or _NOTHING))
+            name, part, (("guid", "uint64"), ("number", "int64"), *(fields or NOTHING))
         )
 
     def part_of_service(self, name: str, part: str, fields: Fields) -> Any:
         """Return the class of a service's request or reply without a number."""
         package, _, service = name.partition("/")
-        return self._make(f"{package}::srv::dds_::{service}_{part}_", fields or _NOTHING)
+        return self._make(f"{package}::srv::dds_::{service}_{part}_", fields or NOTHING)
 
     def _make(self, name: str, fields: Fields) -> Any:
         from cyclonedds.idl import make_idl_struct

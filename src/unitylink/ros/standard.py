@@ -9,6 +9,8 @@ from .interface import Interface
 # type -> fields: (name, primitive, "string" or another type). After it, "[]" means a sequence, and "[3]" an
 # array.
 Fields = tuple[tuple[str, str], ...]
+# What ROS 2 puts into a message without fields.
+NOTHING: Fields = (("structure_needs_at_least_one_member", "uint8"),)
 STANDARD: dict[str, Fields] = {
     **{f"std_msgs/{name}": (("data", primitive),) for primitive, name in SCALARS.items()},
     "builtin_interfaces/Time": (("sec", "int32"), ("nanosec", "uint32")),

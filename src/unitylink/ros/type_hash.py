@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from .standard import Fields
+from .standard import NOTHING, Fields
 
 # The numbers of type_description_interfaces/FieldType, from Iron on.
 _NESTED, _BYTE = 1, 16
@@ -39,7 +39,6 @@ _EVENT_INFO: Fields = (
     ("client_gid", "uint8[16]"),
     ("sequence_number", "int64"),
 )
-_NOTHING: Fields = (("structure_needs_at_least_one_member", "uint8"),)
 
 
 def message_hash(definitions: Mapping[str, Fields], name: str) -> str:
@@ -56,7 +55,7 @@ def service_hash(definitions: Mapping[str, Fields], name: str, request: Fields, 
     """Return the hash of the service `name`, such as std_srvs/Trigger, with these fields."""
     package, _, service = name.partition("/")
     whole = f"{package}/srv/{service}"
-    parts = {f"{whole}_Request": request or _NOTHING, f"{whole}_Response": response or _NOTHING}
+    parts = {f"{whole}_Request": request or NOTHING, f"{whole}_Response": response or NOTHING}
     types = {_full(one): fields for one, fields in definitions.items()} | parts
     types["service_msgs/msg/ServiceEventInfo"] = _EVENT_INFO
     types[f"{whole}_Event"] = (

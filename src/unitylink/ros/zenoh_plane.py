@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from .cdr_plane import COMMANDS, NODE, CdrPlane
+from .cdr_plane import COMMANDS, NODE, CdrPlane, Matched
 from .interface import Interface, Topic
 from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 from .rmw_zenoh import (
@@ -93,7 +93,7 @@ class ZenohPlane(CdrPlane):
                 beside = Attachment(sequence, time.time_ns(), gid).packed()
                 publisher.put(bytes(message.serialize()), attachment=beside)
 
-        return Port(send, lambda: bool(publisher.matching_status))
+        return Port(send, Matched(lambda: publisher.matching_status))
 
     def subscribe(
         self,

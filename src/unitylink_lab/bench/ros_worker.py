@@ -58,7 +58,8 @@ def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
         ros1 = RospyPlane("bench")
         ros1.rospy.init_node("bench", anonymous=True, disable_signals=True)
         return ros1
-    from unitylink.ros.dds import DdsPlane, Matched
+    from unitylink.ros.cdr_plane import Matched
+    from unitylink.ros.dds import DdsPlane
 
     class Bare(DdsPlane):
         """A program that uses cyclonedds alone: it calls its DataWriter's `write` for each message."""
@@ -66,7 +67,7 @@ def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
         def advertise(self, topic: Topic) -> Port:
             name = f"rt/{self.name(topic.name)}"
             writer = self._writer(name, self.types[topic.type], topic.queue, topic.reliable)
-            return Port(writer.write, Matched(writer))
+            return Port(writer.write, Matched(writer.get_matched_subscriptions))
 
     return (Bare if bare else DdsPlane)(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
 
