@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -140,7 +140,6 @@ class ZenohOptions:
         token: str,
         reads: str,
         reading: str = "",
-        told: Callable[[str], None] | None = None,
     ) -> tuple[Bridge, str]:
         """Return the bridge of `robot` (its class tells the rest), and the place of its router."""
         from unitylink.errors import LinkNotFound
@@ -159,7 +158,6 @@ class ZenohOptions:
                     token=token,
                     reads=reads,
                     reading=reading,
-                    told=told,
                 )
             except LinkNotFound:
                 if not ways:

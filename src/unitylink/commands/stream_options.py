@@ -161,7 +161,6 @@ class StreamOptions:
 
         `url` reads the robot. `tokens` are those of `users`.
         """
-        from unitylink.server.audit import complain
         from unitylink.streams.foxglove.server import Foxglove
         from unitylink.streams.hand import Hand
         from unitylink.streams.mqtt.robot import Mqtt
@@ -197,22 +196,25 @@ class StreamOptions:
                     spec_text,
                     token=tokens["zenoh"],
                     reads=url,
-                    told=lambda why: complain(f"--zenoh {self.zenoh}: {why}"),
                 )
-                stack.enter_context(_until_it_ends(bridge))
+                stack.enter_context(_until_it_ends(bridge, f"--zenoh {self.zenoh}"))
                 lines.append(f"on Zenoh:  zenoh:{bridge.keys.name}, at {where}")
             yield lines
 
 
 @contextmanager
-def _until_it_ends(bridge: Bridge) -> Iterator[None]:
-    """Close a bridge at the end of a `with` block, or before, when it gives up.
+def _until_it_ends(bridge: Bridge, option: str) -> Iterator[None]:
+    """Close a bridge at the end of a `with` block, or before, when it gives up, which is said for `option`.
 
     It gives up in a thread of Zenoh, which cannot close the session that runs it.
     """
 
     def close() -> None:
+        from unitylink.server.audit import complain
+
         bridge.ended.wait()
+        if bridge.trouble:
+            complain(f"{option}: {bridge.trouble}")
         bridge.close()
 
     closer = threading.Thread(target=close, name="zenoh end", daemon=True)

@@ -30,8 +30,6 @@ from .values import Values
 from .visits import Visit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import zenoh
 
     from unitylink.layer2_message import Link
@@ -53,8 +51,7 @@ class Bridge:
     What is published goes through a session of its own. So a reader that is slow holds up no request and no
     stop.
 
-    Raises LinkBusy if another bridge has this name already. `trouble` tells what ended the bridge by itself,
-    and so does a call of `told`.
+    Raises LinkBusy if another bridge has this name already. `trouble` tells what ended the bridge by itself.
     """
 
     def __init__(
@@ -68,10 +65,9 @@ class Bridge:
         token: str,
         reads: str,
         reading: str = "",
-        told: Callable[[str], None] | None = None,
     ) -> None:
         self.robot, self.keys, self.id = robot, keys, secrets.token_hex(8)
-        self.trouble, self._told = "", told
+        self.trouble = ""
         self.ended = threading.Event()
         self.refusals = Refusals()
         self.hash = f"{wire_hash(robot.spec):016x}"
@@ -279,8 +275,6 @@ class Bridge:
     def _give_up(self, why: str) -> None:
         self.trouble = why
         self.ended.set()
-        if self._told is not None:
-            self._told(why)
 
     def _let_go(self, visit: Visit) -> None:
         if self._served is not None:
