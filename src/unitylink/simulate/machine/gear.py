@@ -38,3 +38,17 @@ class Gear:
     @property
     def inertia_kg_m2(self) -> float:
         return self.inertia_g_cm2 * 1e-7
+
+    @property
+    def torque_ratio(self) -> float:
+        """What a torque of the motor is at the output, if the motor drives."""
+        return self.ratio * self.efficiency
+
+    def torque_behind(self, torque_nm: float, speed_rad_s: float) -> float:
+        """Return what a torque of the motor is at the output. The gear takes its part of the power.
+
+        The speed may be that of either side.
+        """
+        behind_nm = torque_nm * self.ratio
+        drives = behind_nm * speed_rad_s >= 0
+        return behind_nm * self.efficiency if drives else behind_nm / self.efficiency

@@ -29,19 +29,17 @@ class TurnedBrushless(Brushless):
         self.damping_nm_s = 0.0  # all of its friction is the same at each speed
 
     @property
-    def _behind(self) -> float:
-        """What a torque of the rotor is behind the gear."""
-        return self.gear.ratio * self.gear.efficiency
-
-    @property
     def inertia_kg_m2(self) -> float:
         return (
-            (self.data.rotor_inertia_g_cm2 + self.gear.inertia_g_cm2) * 1e-7 * self._behind * self.gear.ratio
+            (self.data.rotor_inertia_g_cm2 + self.gear.inertia_g_cm2)
+            * 1e-7
+            * self.gear.torque_ratio
+            * self.gear.ratio
         )
 
     @property
     def friction_nm(self) -> float:
-        return self.data.friction_mnm / 1000 * self._behind
+        return self.data.friction_mnm / 1000 * self.gear.torque_ratio
 
     def turn(self, angle_rad: float, speed_rad_s: float) -> None:
         """Tell where the output of the gear is, and how fast it turns."""
@@ -51,9 +49,7 @@ class TurnedBrushless(Brushless):
         """Return the mean torque since the last call, with what the gear takes of it."""
         mean = self._impulse / self._seconds if self._seconds > 0 else self.torque_nm
         self._impulse = self._seconds = 0.0
-        torque_nm = mean * self.gear.ratio
-        drives = torque_nm * self.speed_rad_s >= 0
-        return torque_nm * self.gear.efficiency if drives else torque_nm / self.gear.efficiency
+        return self.gear.torque_behind(mean, self.speed_rad_s)
 
     def _move(self, torque: float, seconds: float) -> None:
         self._impulse += torque * seconds

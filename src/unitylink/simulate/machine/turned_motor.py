@@ -31,21 +31,16 @@ class TurnedMotor:
         self._charge = self._seconds = 0.0
 
     @property
-    def _behind(self) -> float:
-        """What a torque of the rotor is behind the gear."""
-        return self.gear.ratio * self.gear.efficiency
-
-    @property
     def inertia_kg_m2(self) -> float:
-        return (self.data.inertia_kg_m2 + self.gear.inertia_kg_m2) * self._behind * self.gear.ratio
+        return (self.data.inertia_kg_m2 + self.gear.inertia_kg_m2) * self.gear.torque_ratio * self.gear.ratio
 
     @property
     def friction_nm(self) -> float:
-        return self.data.friction_nm * self._behind
+        return self.data.friction_nm * self.gear.torque_ratio
 
     @property
     def damping_nm_s(self) -> float:
-        return self.data.damping_nm_s * self._behind * self.gear.ratio
+        return self.data.damping_nm_s * self.gear.torque_ratio * self.gear.ratio
 
     def step(
         self, volts: float | None, seconds: float, *, series_ohm: float = 0.0, supply_v: float = 0.0
@@ -77,6 +72,4 @@ class TurnedMotor:
         """Return the mean torque since the last call, with what the gear takes of it."""
         mean_a = self._charge / self._seconds if self._seconds > 0 else self.current_a
         self._charge = self._seconds = 0.0
-        torque_nm = self.data.constant * mean_a * self.gear.ratio
-        drives = torque_nm * self.speed_rad_s >= 0
-        return torque_nm * self.gear.efficiency if drives else torque_nm / self.gear.efficiency
+        return self.gear.torque_behind(self.data.constant * mean_a, self.speed_rad_s)
