@@ -60,11 +60,16 @@ def probe(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(HERE / "probe.cpp", load(HERE / "steps.ul"), folder, library)
 
 
-def test_nothing_is_allocated_after_construction(probe: Path) -> None:
+def test_nothing_is_allocated_and_no_lock_is_held_in_a_wait(probe: Path) -> None:
+    """Under the lock of the link there is one kind of system call: a send that does not wait."""
     with still(load(HERE / "steps.ul")) as url:
-        counted = dict(line.rsplit(" ", 1) for line in output(probe, "allocations", f"{url}?protocol=framed"))
-    assert counted.pop("vector") == "200", "the hook counts"
-    assert len(counted) == 12 and set(counted.values()) == {"0"}, counted
+        lines = output(probe, "cost", f"{url}?protocol=framed")
+    counted = {name: [int(n) for n in told.split()] for name, told in (line.split(": ") for line in lines)}
+    hooks = {"memory": [200, 0, 0], "wait under a lock": [0, 200, 200], "look under a lock": [0, 0, 200]}
+    for name, told in {**hooks, "look": [0, 0, 0]}.items():
+        assert counted.pop(name) == told, "a hook counts"
+    assert len(counted) == 12 and all(told[:2] == [0, 0] for told in counted.values()), counted
+    assert all(200 <= counted[name][2] <= 250 for name in ("read", "write", "cycle")), counted
 
 
 def test_errors_name_the_item_and_the_remedy(probe: Path) -> None:

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the objects of C++ allocate, and how they fail:  probe allocations|errors LINK
+// What the objects of C++ allocate, what they do under a lock, and how they fail:  probe cost|errors LINK
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <mutex>
 #include <string>
 #include <string_view>
 
 #include "steps.hpp"
+#include "system_calls.hpp"
 
 namespace {
 
@@ -30,16 +32,41 @@ void* aligned_alloc(std::size_t alignment, std::size_t bytes) {
 
 namespace {
 
+// What has been done since it was made: allocations, system calls under a lock that may wait, and all of those.
+struct Cost {
+  long allocated = allocations;
+  long locked_and_may_wait = system_calls::locked_and_may_wait;
+  long locked = system_calls::locked;
+
+  void tell(const char* name) const {
+    const Cost now;
+    std::printf("%s: %ld %ld %ld\n", name, now.allocated - allocated, now.locked_and_may_wait - locked_and_may_wait,
+                now.locked - locked);
+  }
+};
+
 // The first calls may make room that stays. Those after them are counted.
 template <class Call>
 void count(const char* name, const Call& call) {
   for (int i = 0; i < 20; ++i) call();
-  const long before = allocations;
+  const Cost before;
   for (int i = 0; i < 200; ++i) call();
-  std::printf("%s %ld\n", name, allocations - before);
+  before.tell(name);
 }
 
-void count_allocations(const unitylink::Link& link) {
+void count_cost(const unitylink::Link& link) {
+  // show that the hooks count
+  std::mutex mutex;
+  count("memory", [] { std::free(std::malloc(1)); });
+  count("wait under a lock", [&] {
+    const std::scoped_lock lock(mutex);
+    ::poll(nullptr, 0, 1);
+  });
+  count("look under a lock", [&] {
+    const std::scoped_lock lock(mutex);
+    ::poll(nullptr, 0, 0);
+  });
+  count("look", [] { ::poll(nullptr, 0, 0); });
   steps::Steps robot(link);
   auto cycle = robot.j[0].cycle();
   auto small = robot.targets.cycle();
@@ -47,8 +74,6 @@ void count_allocations(const unitylink::Link& link) {
   small.open().value();
   robot.j[1].mode.write(steps::Mode::idle).value();
   robot.published_pose.start().value();
-  // shows that the hook counts
-  count("vector", [] { std::free(std::malloc(1)); });
   count("read", [&] { robot.count.read().value(); });
   count("read of two words", [&] { robot.big.read().value(); });
   count("write", [&] { robot.gain.write(1.5).value(); });
@@ -63,9 +88,9 @@ void count_allocations(const unitylink::Link& link) {
   std::atomic<int> come{0};
   const unitylink::Listener listener(robot.published_pose, [&](double, const steps::StepsPublishedPose&) { ++come; });
   while (come < 3) std::this_thread::yield();
-  const long before = allocations;
+  const Cost before;
   for (const int begun = come; come < begun + 5;) cycle.exchange({}).value();
-  std::printf("callback %ld\n", allocations - before);
+  before.tell("callback");
 }
 
 template <class T>
@@ -104,7 +129,7 @@ void show_errors(const unitylink::Link& link) {
 int main(int, char** arguments) {
   try {
     const unitylink::Link link(arguments[2]);
-    std::string_view(arguments[1]) == "allocations" ? count_allocations(link) : show_errors(link);
+    std::string_view(arguments[1]) == "cost" ? count_cost(link) : show_errors(link);
   } catch (const unitylink::Failure& failure) {
     std::printf("%s\n", failure.what());
     return 1;
