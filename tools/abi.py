@@ -5,7 +5,7 @@
     python tools/abi.py --accept   at a release: later versions are compared with this one
 
 native/abi.xml is the ABI of the last release, as the compiler saw it. It has the arguments of all functions
-of unitylink.h, and the members of structs with their places. libabigail (abidw, abidiff) makes and compares it.
+of unitylink.h, and the members of structs with their places. libabigail (abidw, abidiff) compares it.
 New functions are allowed. So are new members at the end of a struct that begins with `size`.
 """
 
