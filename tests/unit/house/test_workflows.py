@@ -24,6 +24,15 @@ def test_it_runs_targets_that_there_are_and_may_do_nothing_by_default(name: str)
         assert "    permissions:\n" in job and "    timeout-minutes: " in job, job.partition(":")[0]
 
 
+def test_each_action_is_pinned_to_one_commit_whose_version_is_told() -> None:
+    pinned: dict[str, set[str]] = {}
+    for name in WORKFLOWS:
+        for action, commit in re.findall(r"uses: ([^@\s]+)@?(.*)", text(f".github/workflows/{name}")):
+            assert re.fullmatch(r"[0-9a-f]{40} # v\d+\.\d+\.\d+", commit), f"{name}: {action}@{commit}"
+            pinned.setdefault(action, set()).add(commit)
+    assert pinned and all(len(commits) == 1 for commits in pinned.values()), pinned
+
+
 def test_a_bare_machine_gets_what_the_makefile_needs() -> None:
     (line,) = re.findall(r"apt-get install .*", text(".github/workflows/test.yml"))
     needed = re.search(r"^ASKED = \((.*)\)$", text("tools/fresh/machines.py"), re.M)
