@@ -21,7 +21,7 @@ from unitylink.simulate.rtl import RtlBoard
 from unitylink.simulate.rtl.board import rtl_configuration
 from unitylink.spec import Spec, compile_text
 
-from .conftest import MUJOCO, ROOT
+from .conftest import MUJOCO
 
 TEXT = """
 link cart (ADDRESS=8);
@@ -218,39 +218,6 @@ def test_mistakes_with_pins_are_told(board: Board) -> None:
         board.components["drive"].drive("pins", True)
     with pytest.raises(ValueRangeError, match=r"drive.pins has 2 pins: choose bit 0 to 1, not 2"):
         board.components["drive"].level("pins", 2)
-
-
-OWN = """
-link mover (ADDRESS=8);
-public mover() { motor: stepper(); }
-@component("stepper")
-@source("stepper.vhd")
-@pin("step", "out")
-@pin("forward", "out")
-stepper(): @base[3] {
-   @target = base: signed READWRITE();
-   @position = base+1: signed READ();
-   @pause = base+2: READWRITE();
-}
-"""
-
-
-def test_a_component_of_ones_own_is_compiled_for_sim(tmp_path: Path) -> None:
-    page = (ROOT / "docs" / "gateware" / "own-core.md").read_text("utf-8")
-    vhdl = re.search(r"```vhdl\n(-- stepper\.vhd.*?)```", page, re.S)
-    assert vhdl is not None
-    (tmp_path / "stepper.vhd").write_text(vhdl[1], encoding="utf-8")
-    (tmp_path / "mover.ul").write_text(OWN, encoding="utf-8")
-    with connect(f"sim:{tmp_path / 'mover.ul'}") as link:
-        motor = link.board.components["motor"]
-        assert motor.steps("step", "forward") == 0
-        spec = link.board.spec
-        link.write(address(spec, "motor.pause"), 20)
-        for goal in (25, -25):
-            link.write(address(spec, "motor.target"), goal & 0xFFFFFFFF)
-            until(lambda goal=goal: link.read(address(spec, "motor.position")) == goal & 0xFFFFFFFF)
-            until(lambda goal=goal: motor.steps("step", "forward") == goal)
-        assert motor.rises("step") == 75
 
 
 MODEL = """

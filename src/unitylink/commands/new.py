@@ -12,6 +12,7 @@ import click
 from unitylink.optional import installation
 
 from .failure import Failure
+from .new_full import PROGRAMS, full_files
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _OWN = frozenset({"run", "show", "step", "url", "link"})  # names that the project's own script uses
@@ -21,8 +22,13 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 @click.command()
 @click.argument("name")
 @click.option("--dir", "folder", metavar="FOLDER", help="Where to write; the default is a new folder NAME.")
-def command(name: str, folder: str | None) -> None:
+@click.option("--full", is_flag=True, help="A repository: with VHDL, a board, ROS 2, tests on the VHDL, CI.")
+def command(name: str, folder: str | None, *, full: bool) -> None:
     """Start a project: a spec, its generated classes, a script that moves it, a test, a README.
+
+    With --full it is a repository of its own, whose tests pass from the first push on: it also has a
+    component in VHDL with its bench, a plant, a board, a package for ROS 2, a page, and the files of
+    continuous integration.
 
     Nothing that exists is overwritten.
 
@@ -30,23 +36,43 @@ def command(name: str, folder: str | None) -> None:
     Examples:
       unitylink new arm
       unitylink new arm --dir robots/arm
+      unitylink new arm --full
     """
-    files = _files(name)
     target = Path(folder if folder is not None else name)
+    files, programs = (_full(name, target), PROGRAMS) if full else (_files(name), frozenset())
     taken = [file for file in files if (target / file).exists()]
     if taken:
-        raise Failure(
-            f"{target / taken[0]} exists and is not overwritten",
-            "give another folder: --dir FOLDER, or another NAME",
-        )
-    target.mkdir(parents=True, exist_ok=True)
+        raise _taken(target / taken[0])
     for file, text in files.items():
-        with open(target / file, "x", encoding="utf-8") as handle:
-            handle.write(text)
-        click.echo(f"wrote {target / file}")
-    click.echo(f"\nNow: cd {target} && python run.py\nand: python -m pytest")
+        path = target / file
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with open(path, "x", encoding="utf-8") as handle:
+                handle.write(text)
+            if file in programs:
+                path.chmod(path.stat().st_mode | 0o111)
+        except OSError as error:
+            raise Failure(
+                f"{path}: {error.strerror or error}", "name a folder that can be written to: --dir FOLDER"
+            ) from None
+        click.echo(f"wrote {path}")
+    click.echo(f"\nNow: cd {target} && python run.py\nand: {'.ci/run' if full else 'python -m pytest'}")
     if find_spec("pytest") is None:
         click.echo(f"first, for the tests: {installation('pytest')}")
+
+
+def _taken(path: Path) -> Failure:
+    return Failure(
+        f"{path} exists and is not overwritten", "give another folder: --dir FOLDER, or another NAME"
+    )
+
+
+def _full(name: str, target: Path) -> dict[str, str]:
+    """Return the files of a repository. It gets a folder of its own, or one that is empty."""
+    _check_name(name)
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise _taken(target)
+    return full_files(name)
 
 
 def _files(name: str) -> dict[str, str]:

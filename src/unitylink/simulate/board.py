@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -145,7 +146,7 @@ class Board:
         if isinstance(plant, WordPlant) and not watch:
             self._native.set_word_plant(plant.period_s, plant.ramps, plant.echoes)
             return
-        moved = plant.step
+        moved = self._movement(plant)
 
         look = watch.look if watch else None
 
@@ -176,6 +177,18 @@ class Board:
             return True
 
         self._native.set_plant(plant.period_s, guarded)
+
+    def _movement(self, plant: AnyPlant) -> Callable[[float], None]:
+        """Return what each period calls. On the twin the plant also plays what it has in place of VHDL."""
+        play = getattr(plant, "play", None)
+        if play is None or self._model is not None:
+            return plant.step
+
+        def played(time_s: float) -> None:
+            play(time_s)
+            plant.step(time_s)
+
+        return played
 
     def _make_safe(self) -> str:
         """Write the SAFE values, as the dead-man does. Return what was done, for the log."""

@@ -25,6 +25,9 @@ class Plant(Protocol):
     """Something that moves behind registers. The board's thread steps it every `period_s` of device time.
 
     An exception in `step` ends the plant, not the board. It is logged and kept in `board.error`.
+
+    A plant may play components of the user's own, of which there is only VHDL. `plays` has their entities,
+    and `play(time_s)` sets their words. It is called before each `step`, on the twin only.
     """
 
     period_s: float
@@ -104,6 +107,6 @@ def check_plant(plant: object, what: str) -> None:
         raise UnityLinkError(
             f"{what}: period_s is {period_s!r}; it must be a number of seconds, 1e-5 to 3600"
         )
-    for method in ("attach", "step"):
+    for method in ("attach", "step", "play") if hasattr(plant, "plays") else ("attach", "step"):
         if not callable(getattr(plant, method, None)):
             raise UnityLinkError(f"{what}: {type(plant).__name__} has no method {method}()")

@@ -39,7 +39,7 @@ def simulated_board(url: str, state: BoardState | None = None) -> tuple[Board, s
 
     With `rtl:` instead of `sim:`, the VHDL of the spec is compiled (simulate.rtl). With `bit:`, its bitstream
     is built and run (simulate.bit, docs/bitstream.md). `sim:` too compiles the VHDL if the spec has a
-    component of the user's own, of which there is no model.
+    component of the user's own, of which there is no model, and which the plant does not play.
 
     The board's options are `root=NAME` (chooses the public constructor or link, if there are several),
     `plant=ramp|loopback|scara|FILE.py`, `seed=NUMBER` (for a plant that has `seed(number)`), and every
@@ -136,9 +136,13 @@ def _settings_in(url: str, options: dict[str, str]) -> _Settings:
     return settings
 
 
-def _needs_vhdl(spec: Spec) -> bool:
-    """Does the spec have a component of the user's own? There is no model of it, but its VHDL."""
-    return any(one.sources and not _native.has_component_model(one.entity) for one in placed_components(spec))
+def _needs_vhdl(spec: Spec, plant: AnyPlant) -> bool:
+    """Does the spec have a component of the user's own that neither a model nor the plant plays?"""
+    plays = getattr(plant, "plays", ())
+    return any(
+        one.sources and one.entity not in plays and not _native.has_component_model(one.entity)
+        for one in placed_components(spec)
+    )
 
 
 def _twin(
@@ -149,9 +153,9 @@ def _twin(
     start: _Start,
 ) -> Board:
     spec = _spec_in(url, path, options)
-    if _needs_vhdl(spec):
-        return _gateware(url, path, options, settings, start)
     plant = _plant_for(spec, url, options)
+    if _needs_vhdl(spec, plant):
+        return _compiled(url, spec, plant, options, settings=settings, start=start)
     configuration = BoardConfiguration.for_spec(spec, **settings)
     return Board(spec, configuration=configuration, plant=plant, endpoint=start.endpoint, state=start.state)
 
@@ -163,11 +167,22 @@ def _gateware(
     settings: _Settings,
     start: _Start,
 ) -> Board:
+    spec = _spec_in(url, path, options)
+    return _compiled(url, spec, _plant_for(spec, url, options), options, settings=settings, start=start)
+
+
+def _compiled(
+    url: str,
+    spec: Spec,
+    plant: AnyPlant,
+    options: dict[str, str],
+    *,
+    settings: _Settings,
+    start: _Start,
+) -> Board:
     from .rtl import RtlBoard, rtl_configuration  # here, because it loads the generator and the compilers
 
     _check_fresh(url, start)
-    spec = _spec_in(url, path, options)
-    plant = _plant_for(spec, url, options)
     physical = settings.get("physical", told_physical(spec))
     if physical in _ASKED_FOR:
         raise UrlError(
