@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A unit of FMI 3.0: FMPy checks and simulates what CMake makes, as docs/fmu.md says."""
+"""Units of FMI 3.0 and 2.0: FMPy checks and simulates what CMake makes, as docs/fmu.md says."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ from unitylink.spec import load
 ROOT = Path(__file__).resolve().parents[2]
 CMAKE = Path(sys.executable).with_name("cmake")
 HEADERS = Path(fmpy.__file__).parent / "c-code"  # the standard's own: all functions must be as they say
+STEPS = ROOT / "tests" / "conformance" / "objects" / "steps.ul"
+PLACES = {path: element.addresses for path, element in load(STEPS).walk()}
 STRICT = f"-DUNITYLINK_FMI_HEADERS -I{HEADERS} -Wall -Wextra -Werror"
 
 
-def unit(source: Path, library: Path, folder: Path) -> Path:
-    """Generate the unit of a spec and build it, with the library as it is installed."""
+def units(source: Path, library: Path, folder: Path) -> dict[str, Path]:
+    """Generate the units of a spec and build them, with the library as it is installed."""
     spec = load(source)
     write_files(generate(spec, "fmu"), folder)
     prefix, made = folder / "prefix", folder / "made"
@@ -44,14 +46,15 @@ def unit(source: Path, library: Path, folder: Path) -> Path:
     ):
         done = subprocess.run([CMAKE, *line], capture_output=True, text=True, check=False, timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr
-    return made / f"{spec.roots[0].name}.fmu"
+    name = spec.roots[0].name
+    return {"3.0": made / f"{name}.fmu", "2.0": made / f"{name}_fmi2.fmu"}
 
 
 def test_the_page_runs(library: Path, tmp_path: Path) -> None:
     page = (ROOT / "docs" / "fmu.md").read_text("utf-8")
     (program,) = re.findall(r"^```python.*?\n(.*?)^```", page, re.M | re.S)
     source = ROOT / "examples" / "scara" / "scara.ul"
-    made = unit(source, library, tmp_path)
+    made = units(source, library, tmp_path)["3.0"]
     with Board(load(source), endpoint="tcp", plant=load_plant("scara")) as board:
         program = program.replace("tcp://127.0.0.1:5555", board.url).replace('"scara.fmu"', repr(str(made)))
         (tmp_path / "simulate.py").write_text(program, encoding="utf-8")
@@ -59,10 +62,15 @@ def test_the_page_runs(library: Path, tmp_path: Path) -> None:
         assert told[-1] == "joint 1 is at 300", told
 
 
-def test_each_kind_of_value_and_what_is_refused(library: Path, tmp_path: Path) -> None:
-    source = ROOT / "tests" / "conformance" / "objects" / "steps.ul"
-    made = unit(source, library, tmp_path)
-    assert validate_fmu(str(made)) == []
+@pytest.fixture(scope="module")
+def steps(library: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return units(STEPS, library, tmp_path_factory.mktemp("steps"))
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_each_kind_of_value_and_what_is_refused(version: str, steps: dict[str, Path]) -> None:
+    made = steps[version]
+    assert fmpy.read_model_description(str(made)).fmiVersion == version and validate_fmu(str(made)) == []
     said: list[str] = []
 
     def simulated(**start: Any) -> Any:
@@ -72,22 +80,29 @@ def test_each_kind_of_value_and_what_is_refused(library: Path, tmp_path: Path) -
             stop_time=0.2,
             output_interval=0.1,
             start_values={"link.paced": False} | {name.replace("__", "."): start[name] for name in start},
-            logger=lambda environment, status, category, text: said.append(text.decode()),
+            logger=lambda *told: said.append(told[-1].decode()),
         )
 
-    with Board(load(source), endpoint="tcp", plant=Still()) as board:
+    with Board(load(STEPS), endpoint="tcp", plant=Still()) as board:
         result = simulated(link__url=board.url)
         assert result.dtype.names == ("time", "j[0].pos", "j[1].pos", "faults", "limit") and not said
         assert list(result[-1]) == [pytest.approx(0.2), -0.256, 1.234, 5, 42]
         assert board.registers[0x31] == 0, "what is not set is not written"
-        given = {"lamps[1]": True, "net__a": -9, "j[0]__mode": 3}
+        given = {"lamps[1]": True, "net__a": -9, "j[0]__mode": 3, "count": 0xFFFFFFFE, "big": 1 << 40}
         simulated(link__url=board.url, small=-7, gain=2.5, **given)
         assert not said
         written = {0x31: 0xF9, 0x34: 0x40200000, 0x3A: 0, 0x3B: 1, 0x12: 3, 0x100: 0xFFFFFFF7}
+        written |= dict.fromkeys(PLACES["count"], 0xFFFFFFFE) | dict(
+            zip(PLACES["big"], (0, 1 << 8), strict=True)
+        )
         assert {address: board.registers[address] for address in written} == written
         with pytest.raises(fmpy.fmi1.FMICallException):
             simulated(link__url=board.url, small=101)
         assert said == ["small: 101 is not in -100 to 100; nothing was sent"]
+        if version == "2.0":  # there it is a Real
+            with pytest.raises(fmpy.fmi1.FMICallException):
+                simulated(link__url=board.url, count=0.5)
+            assert said == ["this variable takes whole numbers of 64 bits"]
     with pytest.raises(fmpy.fmi1.FMICallException):
         simulated(link__url="tcp://127.0.0.1:1")
     assert said[0].startswith("tcp://127.0.0.1:1: nothing listens there")

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The description of a unit of FMI 3.0, read by FMPy."""
+"""The descriptions of units of FMI 3.0 and 2.0, read by FMPy."""
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -30,23 +31,50 @@ axis(c, at: int) {
 }
 public other() { @time = 0x1: u64 READ(); @limit = 0x3: f32 WRITE(MIN=-1, MAX=1, INITIAL=0.25); }
 """
+WIDE = """
+public arm() {
+   @small = 0x0: u31 WRITE(); @word = 0x1: i32 WRITE(); @wide = 0x2: u32 WRITE(); @long = 0x3: i33 WRITE();
+   @far = 0x5: u64 WRITE(); @angle = 0x7: i16 READ(UNIT="rad", SCALE=0.5); @on = 0x8: bool WRITE();
+}
+"""
 
 
-def described(files: dict[str, str], folder: Path) -> dict[str, Any]:
+def described(files: dict[str, str], folder: Path, version: str = "fmi3") -> dict[str, Any]:
     """Return what FMPy reads, by the names of the units. It compares each with the standard's schema."""
     write_files(files, folder)
-    return {one.name: read_model_description(str(one)) for one in (folder / "fmu").iterdir()}
+    found = {}
+    for one in (folder / "fmu").iterdir():
+        shutil.copy(one / f"{version}.xml", one / "modelDescription.xml")
+        found[one.name] = read_model_description(str(one))
+    return found
 
 
 @pytest.mark.parametrize("source", SPECS, ids=lambda path: path.stem)
 def test_every_example_is_a_valid_unit(source: Path, tmp_path: Path) -> None:
     spec = load(source)
-    units = described(generate(spec, "fmu"), tmp_path)
-    assert len(units) == len(spec.roots)
-    for unit in units.values():
-        assert unit.fmiVersion == "3.0" and unit.instantiationToken.startswith(spec.hash)
-        outputs = [one for one in unit.modelVariables if one.causality == "output"]
-        assert [one.variable for one in unit.outputs] == outputs
+    files = generate(spec, "fmu")
+    for version, told in (("fmi3", "3.0"), ("fmi2", "2.0")):
+        units = described(files, tmp_path, version)
+        assert len(units) == len(spec.roots)
+        for unit in units.values():
+            assert unit.fmiVersion == told
+            assert (unit.guid if version == "fmi2" else unit.instantiationToken).startswith(spec.hash)
+            outputs = [one for one in unit.modelVariables if one.causality == "output"]
+            assert [one.variable for one in unit.outputs] == outputs
+
+
+def test_both_versions_have_the_same_variables_and_only_wide_ones_are_real(tmp_path: Path) -> None:
+    spec = compile_text(WIDE, "arm.ul").spec
+    assert spec is not None
+    files = generate(spec, "fmu")
+    new, old = (described(files, tmp_path, one)["arm"].modelVariables for one in ("fmi3", "fmi2"))
+    same = ("name", "valueReference", "causality", "variability", "unit", "min", "max", "start")
+    assert [[getattr(one, name) for name in same] for one in new] == [
+        [getattr(one, name) for name in same] for one in old
+    ]
+    types = {one.name: one.type for one in old}
+    assert {types[name] for name in ("small", "word")} == {"Integer"}
+    assert {types[name] for name in ("wide", "long", "far", "angle")} == {"Real"}
 
 
 def test_values_become_variables(tmp_path: Path) -> None:

@@ -2,10 +2,10 @@
  *
  * Functions of FMI 3.0 that belong to other kinds of units. The standard wants them to be there. They fail.
  */
-#include "unit.h"
+#include "fmi3.h"
 
 #define NOT_HERE \
-  { return failed(instance, "this unit has no such function"); }
+  { return (void)failed(instance, "this unit has no such function"), fmi3Error; }
 #define OF fmi3Instance instance, const fmi3ValueReference references[], size_t count
 #define NO_VALUES(type)                                                      \
   EXPORT fmi3Status fmi3Get##type(OF, fmi3##type values[], size_t n) {       \
