@@ -67,7 +67,7 @@ class Table(ctypes.Structure):
         ("destroy", ctypes.CFUNCTYPE(None, ctypes.c_void_p)),
         ("clock", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.POINTER(Pins))),
         ("set_word", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
-        ("get_word", ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)),
+        ("words", ctypes.CFUNCTYPE(ctypes.POINTER(ctypes.c_uint32), ctypes.c_void_p)),
         ("was_written", ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)),
         ("set_event", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
         ("failure", ctypes.CFUNCTYPE(ctypes.c_char_p, ctypes.c_void_p)),
@@ -143,7 +143,7 @@ class Model:
             self.table.set_event(self.state, group, events >> group & 1)
         self.table.set_word(self.state, word, value)
         self.table.clock(self.state, pins)
-        words = " ".join(f"{self.table.get_word(self.state, index):08X}" for index in range(8))
+        words = " ".join(f"{word:08X}" for word in self.table.words(self.state)[:8])
         return f"{pins.rx_ready} {pins.tx_valid} {pins.tx_data if pins.tx_valid else 0} {words}"
 
 

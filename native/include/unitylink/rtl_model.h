@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define UNITYLINK_RTL_ABI 3u /* raised whenever something below changes */
+#define UNITYLINK_RTL_ABI 4u /* raised whenever something below changes */
 
 /* A byte moves at the end of a clock in which its valid and its ready are both high. */
 typedef struct unitylink_rtl_pins {
@@ -30,13 +30,13 @@ typedef struct unitylink_rtl_pins {
 typedef struct unitylink_rtl {
   uint32_t abi;          /* UNITYLINK_RTL_ABI */
   uint32_t read_words;   /* words the PC reads, as many as `set_word` takes */
-  uint32_t write_words;  /* words the PC writes, as many as `get_word` gives */
+  uint32_t write_words;  /* words the PC writes, as many as `words` points to */
   uint32_t groups;       /* event lines */
   void* (*create)(void); /* NULL: there is no memory */
   void (*destroy)(void* model);
   void (*clock)(void* model, unitylink_rtl_pins* pins);
   void (*set_word)(void* model, uint32_t index, uint32_t value);
-  uint32_t (*get_word)(const void* model, uint32_t index);
+  const uint32_t* (*words)(const void* model);                /* the words that the PC writes; they keep this place */
   uint32_t (*was_written)(const void* model, uint32_t index); /* 1 in the first clock of a new word */
   void (*set_event)(void* model, uint32_t group, uint32_t high);
   const char* (*failure)(const void* model); /* the assertion of the gateware that failed, "" while none has */

@@ -59,6 +59,7 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
   if (!state_) {
     throw RtlError(library + ": no memory for the compiled gateware");
   }
+  words_ = model_->words(state_.get());
   for (const std::uint32_t address : configuration_.flag_words) {
     if (read_index_.contains(address) && write_index_.contains(address)) {
       flags_.push_back({read_index_.at(address), write_index_.at(address)});
@@ -91,15 +92,14 @@ void RtlDevice::observe(std::function<void(std::uint32_t, std::uint32_t)> on_cha
   remember();
 }
 
-void RtlDevice::remember() {
-  for (std::size_t index = 0; index < seen_.size(); ++index) {
-    seen_[index] = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
-  }
-}
+void RtlDevice::remember() { std::copy_n(words_, seen_.size(), seen_.begin()); }
 
 void RtlDevice::look() {
+  if (std::equal(seen_.begin(), seen_.end(), words_)) {
+    return;
+  }
   for (std::size_t index = 0; index < seen_.size(); ++index) {
-    const std::uint32_t value = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
+    const std::uint32_t value = words_[index];
     if (std::exchange(seen_[index], value) != value) {
       on_change_(write_addresses_[index], value);
     }
@@ -155,7 +155,7 @@ void RtlDevice::step() {
   }
   for (const Flags& flags : flags_) {
     if (model_->was_written(state_.get(), flags.write) != 0) {
-      give(flags.read, given_[flags.read] & ~model_->get_word(state_.get(), flags.write));
+      give(flags.read, given_[flags.read] & ~words_[flags.write]);
     }
   }
   if (on_change_) {
@@ -201,7 +201,7 @@ BusReply RtlDevice::get(std::uint32_t address) {
     return {BusStatus::ok, given_[place->second]};
   }
   if (const auto place = write_index_.find(address); place != write_index_.end()) {
-    return {BusStatus::ok, model_->get_word(state_.get(), place->second)};
+    return {BusStatus::ok, words_[place->second]};
   }
   return {BusStatus::error, 0};
 }

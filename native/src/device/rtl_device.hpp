@@ -77,6 +77,7 @@ class RtlDevice final : public ServedDevice {
   DeviceConfiguration configuration_;
   const unitylink_rtl* model_;
   std::unique_ptr<void, void (*)(void*)> state_;
+  const std::uint32_t* words_ = nullptr;  // within the model: the words that the PC writes
   std::unordered_map<std::uint32_t, std::uint32_t> read_index_;
   std::unordered_map<std::uint32_t, std::uint32_t> write_index_;
   std::vector<std::uint32_t> given_;  // values given to `set`, by index

@@ -11,6 +11,7 @@ from unitylink import connect
 from unitylink.errors import ToolError, UrlError, ValueRangeError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.simulate.rtl import RtlDesign, build_model, design_of
+from unitylink.simulate.rtl.verilated import has_one_trigger
 from unitylink.simulate.rtl.verilog import (
     Port,
     either_edge_will_do,
@@ -152,3 +153,47 @@ def test_a_board_behind_a_chip_has_its_files_and_refuses_an_unknown_layer(tmp_pa
         link.write(0x10, 1)
     with pytest.raises(ValueRangeError, match="physical is 'usb'"):
         connect(f"sim:{file}?physical=usb")
+
+
+ROOT_HEADER = "    VlTriggerVec<1> __VactTriggered;\n    VlTriggerVec<1> __VnbaTriggered;\n"
+VERILATED = """void Vmodel___024root___eval_act(Vmodel___024root* vlSelf) {
+    if (false && vlSelf) {}  // Prevent unused
+    VL_DEBUG_IF(VL_DBG_MSGF("+    Vmodel___024root___eval_act\\n"); );
+}
+void Vmodel___024root___eval_nba(Vmodel___024root* vlSelf) {
+    if (false && vlSelf) {}  // Prevent unused
+    // Body
+    if (vlSelf->__VnbaTriggered.at(0U)) {
+        Vmodel___024root___nba_sequent__TOP__0(vlSelf);
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("find", "instead", "one"),
+    [
+        ("", "", True),
+        ("<1> __Vnba", "<2> __Vnba", False),
+        ("__VactTriggered;", "__VactTriggered;\n    VlTriggerVec<1> __VicoTriggered;", False),
+        ("VL_DEBUG_IF(", "Vmodel___024root___act_comb__TOP__0(vlSelf);\n    VL_DEBUG_IF(", False),
+        (".at(0U)", ".word(0U)", False),
+        ("    if (vlSelf", "    if (vlSelf->__VactTriggered.at(0U)) {\n    }\n    if (vlSelf", False),
+        ("___eval_nba(", "___eval_late(", False),
+    ],
+    ids=[
+        "as it is",
+        "two clocks",
+        "straight input",
+        "logic before",
+        "other code",
+        "two conditions",
+        "other name",
+    ],
+)
+def test_a_clock_is_one_call_if_nothing_else_can_happen(
+    find: str, instead: str, one: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "Vmodel___024root.h").write_text(ROOT_HEADER.replace(find, instead), encoding="utf-8")
+    (tmp_path / "Vmodel___024root__0.cpp").write_text(VERILATED.replace(find, instead), encoding="utf-8")
+    assert has_one_trigger(tmp_path) == one

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C side of compiled gateware: Verilator makes code from model.v, and this file gives it the function table of
 // rtl_model.h. The build defines READ_WORDS, WRITE_WORDS, WRITTEN, GROUPS, PINS_IN, PINS_OUT and EITHER_EDGE. With
-// EITHER_EDGE each edge of `clock` is a clock of the design, so one evaluation is enough for it.
+// EITHER_EDGE each edge of `clock` is a clock of the design, so one evaluation is enough for it. With ONE_TRIGGER the
+// clock is also the only thing that Verilator's code waits for, so it need not be asked whether there was one.
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,7 +14,12 @@
 #include <verilated.h>
 
 #include "Vmodel.h"
+#include "Vmodel___024root.h"
 #include "unitylink/rtl_model.h"
+
+#if ONE_TRIGGER
+void Vmodel___024root___eval_nba(Vmodel___024root* root);
+#endif
 
 namespace {
 
@@ -55,13 +62,15 @@ void put_word(VlWide<words>& port, std::uint32_t index, std::uint32_t value) {
   port.at(index) = value;
 }
 
-[[maybe_unused]] std::uint32_t word_of(const IData& port, std::uint32_t) { return port; }
-[[maybe_unused]] std::uint32_t word_of(const QData& port, std::uint32_t index) {
-  return static_cast<std::uint32_t>(port >> 32 * index);
+// Verilator keeps 64 bits as one number. On this machine its lower half comes first, as in a wide port.
+static_assert(std::endian::native == std::endian::little);
+[[maybe_unused]] const std::uint32_t* words_of(const IData& port) { return &port; }
+[[maybe_unused]] const std::uint32_t* words_of(const QData& port) {
+  return reinterpret_cast<const std::uint32_t*>(&port);
 }
 template <std::size_t words>
-std::uint32_t word_of(const VlWide<words>& port, std::uint32_t index) {
-  return port.at(index);
+const std::uint32_t* words_of(const VlWide<words>& port) {
+  return port.data();
 }
 
 Model& model_of(void* handle) { return *static_cast<Model*>(handle); }
@@ -90,14 +99,18 @@ void clock(void* handle, unitylink_rtl_pins* pins) {
   top.rx_data_next = pins->rx_data;
   top.rx_error_next = pins->rx_error;
   top.tx_ready_next = pins->tx_ready;
-#if EITHER_EDGE
+#if ONE_TRIGGER
+  top.rootp->__VnbaTriggered.at(0) = 1;
+  Vmodel___024root___eval_nba(top.rootp);
+#elif EITHER_EDGE
   top.clock ^= 1;
+  top.eval();
 #else
   top.clock = 1;
   top.eval();
   top.clock = 0;
-#endif
   top.eval();
+#endif
   pins->rx_ready = top.rx_ready;
   pins->tx_valid = top.tx_valid;
   pins->tx_data = top.tx_data;
@@ -110,11 +123,11 @@ void set_word([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t inde
 #endif
 }
 
-std::uint32_t get_word([[maybe_unused]] const void* handle, [[maybe_unused]] std::uint32_t index) {
+const std::uint32_t* words([[maybe_unused]] const void* handle) {
 #if WRITE_WORDS > 0
-  return word_of(static_cast<const Model*>(handle)->top->write_words, index);
+  return words_of(static_cast<const Model*>(handle)->top->write_words);
 #else
-  return 0;
+  return nullptr;
 #endif
 }
 
@@ -159,7 +172,7 @@ std::uint32_t get_pins([[maybe_unused]] const void* handle, [[maybe_unused]] std
 const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }
 
 constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS,    create,  destroy, clock,
-                                 set_word,          get_word,   was_written, set_event, failure, PINS_IN, PINS_OUT,
+                                 set_word,          words,      was_written, set_event, failure, PINS_IN, PINS_OUT,
                                  set_pin,           get_pins};
 
 }  // namespace
