@@ -76,13 +76,13 @@ class ZenohPlane(CdrPlane):
         import zenoh
 
         endpoint = self._endpoint_of(topic)
-        token = self._tell(PUBLISHER, endpoint, qos_of(topic))
         publisher = self._session.declare_publisher(
             endpoint.key,
             congestion_control=zenoh.CongestionControl.DROP,
             reliability=zenoh.Reliability.RELIABLE if topic.reliable else zenoh.Reliability.BEST_EFFORT,
         )
         self._declared(publisher)
+        token = self._tell(PUBLISHER, endpoint, qos_of(topic))
         gid, lock = gid_of(token), threading.Lock()
         sequence = 0
 
@@ -116,9 +116,9 @@ class ZenohPlane(CdrPlane):
             else:
                 take(message)
 
-        self._tell(SUBSCRIBER, endpoint, qos_of(topic, depth))
         come = self._topics.box(topic.name, depth, taken)
         self._declared(self._session.declare_subscriber(endpoint.key, come))
+        self._tell(SUBSCRIBER, endpoint, qos_of(topic, depth))
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         """Offer a service as rmw_zenoh_cpp does: a queryable that answers with the number of the call."""
@@ -143,9 +143,9 @@ class ZenohPlane(CdrPlane):
                 beside = Attachment(call.sequence, time.time_ns(), call.gid).packed()
                 query.reply(endpoint.key, bytes(answered(*results).serialize()), attachment=beside)
 
-        self._tell(SERVER, endpoint, Qos())
         come = self._services.box(name, _CALLS, answer)
         self._declared(self._session.declare_queryable(endpoint.key, come, complete=True))
+        self._tell(SERVER, endpoint, Qos())
 
     def _endpoint_of(self, topic: Topic) -> Endpoint:
         package, _, message = topic.type.partition("/")
@@ -153,7 +153,7 @@ class ZenohPlane(CdrPlane):
         return Endpoint(self._domain, self.name(topic.name), f"{package}::msg::dds_::{message}_", hashed)
 
     def _tell(self, kind: str, endpoint: Endpoint, qos: Qos) -> str:
-        """Let others list an endpoint. Return its token."""
+        """Let others list an endpoint, which exists by now: who sees it may use it. Return its token."""
         token = self._graph.token(next(self._numbers), kind, endpoint, qos)
         self._declared(self._session.liveliness().declare_token(token))
         return token
