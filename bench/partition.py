@@ -18,6 +18,7 @@ import socket
 import tempfile
 import threading
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from unitylink import connect
@@ -69,6 +70,10 @@ class Way:
         self.whole = threading.Event()
         self.whole.set()
         threading.Thread(target=self._accept, daemon=True).start()
+
+    def let(self, through: bool) -> None:
+        """Cut the way, or mend it."""
+        (self.whole.set if through else self.whole.clear)()
 
     def _accept(self) -> None:
         while True:
@@ -135,28 +140,33 @@ def main() -> None:
         with Supervisor(read_fleet(file), lambda robot, text: None, start_bridge) as fleet:
             if not fleet.wait_up(UP_S):
                 raise SystemExit(f"not all robots came: {[one.state for one in fleet.reports()]}")
-            senders = cut(fleet, port, options)
+            way = Way(port)
+            place = f"tcp/127.0.0.1:{way.port}"
+            senders = cut(
+                [robot.key for robot in fleet.robots.values()], place, way.let, options.cut, options.ttl
+            )
         judge(folder, senders, options.ttl)
 
 
-def cut(fleet: Supervisor, port: int, options: argparse.Namespace) -> list[Sender]:
-    """Send set-points to all robots through a way that is cut for a while."""
-    way, stop = Way(port), threading.Event()
+def cut(
+    keys: Sequence[str], place: str, let: Callable[[bool], None], cut_s: float, ttl_s: float
+) -> list[Sender]:
+    """Send set-points to robots through the router at `place`. `let` cuts the way to them, and mends it."""
+    stop = threading.Event()
     senders = [
-        Sender(f"zenoh:{robot.key}?connect=tcp/127.0.0.1:{way.port}", n * APART, options.ttl, stop)
-        for n, robot in enumerate(fleet.robots.values(), 1)
+        Sender(f"zenoh:{key}?connect={place}", n * APART, ttl_s, stop) for n, key in enumerate(keys, 1)
     ]
     for sender in senders:
         sender.start()
     time.sleep(BEFORE_S)
     if not all(sender.last_seen_s for sender in senders):
         raise SystemExit("not all robots publish")
-    way.whole.clear()
+    let(False)
     began_s = time.monotonic()
-    print(f"the way to {len(senders)} robots is cut for {options.cut:g} s")
-    time.sleep(options.cut)
+    print(f"the way to {len(senders)} robots is cut for {cut_s:g} s")
+    time.sleep(cut_s)
     silent = sum(sender.last_seen_s < began_s + SILENT_S for sender in senders)
-    way.whole.set()
+    let(True)
     whole_s = time.monotonic()
     while not all(sender.last_seen_s > whole_s for sender in senders):
         if time.monotonic() - whole_s > UP_S:
@@ -171,11 +181,17 @@ def cut(fleet: Supervisor, port: int, options: argparse.Namespace) -> list[Sende
     return senders
 
 
+def executed(folder: Path) -> list[tuple[float, int]]:
+    """Return what the oracles saw: when, and which value."""
+    lines = [line for file in folder.glob("*.log") for line in file.read_text().splitlines()]
+    return [(float(at_s), int(value)) for at_s, value in map(json.loads, lines)]
+
+
 def judge(folder: Path, senders: list[Sender], ttl_s: float) -> None:
     """Compare what the oracles saw with when it was sent."""
     sent_s = {value: at_s for sender in senders for value, at_s in sender.sent_s.items()}
-    seen = [json.loads(line) for file in folder.glob("*.log") for line in file.read_text().splitlines()]
-    ages_s = sorted(at_s - sent_s[value] for at_s, value in seen if value)
+    seen = executed(folder)
+    ages_s = sorted(at_s - sent_s[value] for at_s, value in seen if value >= APART)
     safe = sum(not value for _, value in seen)
     late = [age_s for age_s in ages_s if age_s > ttl_s + SEES_S]
     print(

@@ -111,7 +111,8 @@ def publish_rates(session: zenoh.Session, seconds: float) -> tuple[float, float]
         now_s = staticmethod(time.monotonic)
 
     wait = zenoh.CongestionControl.BLOCK  # so that the rate is that of the network, and nothing is dropped
-    group = Group(((), 1, False, None), session.declare_publisher("bench/words", congestion_control=wait))
+    wanted = (tuple(range(VALUES)), 1, False, None)
+    group = Group(wanted, session.declare_publisher("bench/words", congestion_control=wait))
     group._link = group.subscription = Board()  # type: ignore[assignment]
     words = np.arange(BATCH * VALUES, dtype=np.uint32).reshape(BATCH, VALUES)
     bare = session.declare_publisher("bench/bare", congestion_control=wait)

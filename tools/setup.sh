@@ -233,6 +233,7 @@ system)
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need mosquitto mosquitto eval 'PATH=$PATH:/usr/sbin command -v mosquitto'   # the broker of the tests of MQTT
   need abidiff abigail-tools command -v abidiff                        # compares the C ABI with the released one
+  need ip iproute2 eval 'PATH=$PATH:/usr/sbin:/sbin command -v ip'          # puts the router of a test in a namespace
   need openssl openssl command -v openssl                              # makes the certificates of the tests of TLS
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need EGL libegl1 eval 'ls /usr/lib/*/libEGL.so.1'                      # draws models without a display

@@ -16,13 +16,19 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import pytest
 
+from unitylink import connect
 from unitylink.cli import main
+from unitylink.errors import FleetError
 from unitylink.fleet.look import look_at
 from unitylink.fleet.reader import parse_fleet, read_fleet
+from unitylink.fleet.robots import Robots
+from unitylink.layer4_data import WriteValue
 from unitylink.recording.formats import samples
+from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.session import ROUTER
 
 from .conftest import PATIENCE_S, ROOT, SCARA, UNITYLINK
@@ -62,6 +68,38 @@ def until(lines: Iterator[str], *wanted: str) -> None:
         waiting -= {one for one in waiting if re.search(one, line)}
 
 
+def stream_set_points(block: str, url: str) -> None:
+    """Run the block of a page that streams set-points while `running`, until the robot has executed one."""
+    limit_s = time.monotonic() + PATIENCE_S / 2
+    with connect(url) as link:
+        assert isinstance(link, ZenohLink)
+
+        def written() -> int:
+            return int(link.state()["set_points"]["written"])
+
+        before = written()
+        running = MagicMock(
+            **{"__bool__.side_effect": lambda: written() == before and time.monotonic() < limit_s}
+        )
+        exec(block, {"link": link, "running": running})
+        assert written() > before, link.state()
+
+
+def write_together(file: Path) -> None:
+    """Run the block of the page of fleets that writes several robots together."""
+    (block,) = blocks_for_python("fleet.md", "")
+    block = block.replace('"fleet.toml"', repr(str(file)), 1)
+    exec(block.replace("x.position", "j1.cpos").replace("x.target", "j1.pos_sp"), {})
+    with Robots(file, "arm1", "arm2", "arm3") as robots:
+        for name, written in (("arm1", 200), ("arm2", 300), ("arm3", 100)):
+            value = robots[name]["j1.pos_sp"]
+            assert isinstance(value, WriteValue)
+            assert value.hardware.link.read(value.addresses[0]) == written
+        assert set(robots.group("j1.cpos").snapshot()) == set(robots)
+    with pytest.raises(FleetError, match="no robot arm9; there are arm1, "):
+        Robots(file, "arm9")
+
+
 def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.CaptureFixture[str]) -> None:
     fleet = read_fleet(file)
     with subprocess.Popen(
@@ -90,10 +128,12 @@ def test_one_is_killed_and_comes_back(file: Path, router: str, capsys: pytest.Ca
             assert same == [True, True, False, True, True, True, True, True]
             assert main(["fleet", "check", str(file)]) == 0
             assert "8 of 8 robots are up; specs: 1; gateware built from: 1" in capsys.readouterr().out
-            first, _, stranger = blocks_for_python("zenoh.md", router)
+            first, set_points, stranger = blocks_for_python("zenoh.md", router)
             exec(first, {})
             exec(stranger, {})
             assert re.fullmatch(r"-?\d+\n\(-?\d+,\)\n", capsys.readouterr().out)
+            stream_set_points(set_points, f"zenoh:lab/arm1?connect={router}")
+            write_together(file)
             assert main(["fleet", str(file)]) == 1
             assert "another program runs the fleet lab on this network" in capsys.readouterr().err
             recording = str(file.with_name("lab.mcap"))

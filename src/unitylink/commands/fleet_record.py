@@ -9,7 +9,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from urllib.parse import urlencode
 
 import click
 
@@ -50,9 +49,7 @@ class RobotTaker(threading.Thread):
         super().__init__(name=f"record {robot.name}", daemon=True)
         self.robot, self.taken, self.lost = robot, 0, 0
         self._rate_hz, self._heard, self._fleet = rate_hz, heard, fleet.name
-        network = fleet.network(who)
-        way = {"config": network.config} if network.config else {"connect": network.connect}
-        self._url = f"zenoh:{robot.key}?{urlencode({'name': 'record', **way}, safe='/:')}"
+        self._url = fleet.url(robot, who=who, name="record")
         self._said = ""
 
     def run(self) -> None:

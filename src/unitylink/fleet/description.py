@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlencode
 
 from unitylink.errors import FleetError
 from unitylink.zenoh.session import ROUTER, Network
@@ -86,6 +87,12 @@ class Fleet:
         if self.zenoh_config:
             return Network(config=str(self.place(self.zenoh_config)))
         return Network(connect=self.connect or inside(self.router))
+
+    def url(self, robot: FleetRobot, *, who: str = "", name: str = "") -> str:
+        """Return the link of a program on this machine to a robot. `name` is what others see of it."""
+        network = self.network(who)
+        way = {"config": network.config} if network.config else {"connect": network.connect}
+        return f"zenoh:{robot.key}?{urlencode({**({'name': name} if name else {}), **way}, safe='/:')}"
 
     def secret(self, who: str) -> str:
         """Return the file of Zenoh for a name in a certificate."""

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from unitylink.errors import OutcomeUnknown, ValueRangeError
+from unitylink.errors import AccessRefused, OutcomeUnknown, ValueRangeError
 
 from .arguments import positive, wholes
 from .proxy import HardwareProxy
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from unitylink.layer2_message import Link
+
+_NAMES_MOST = 8  # in an error
 
 
 class CommittedProxy(HardwareProxy):
@@ -53,6 +55,7 @@ class CommittedProxy(HardwareProxy):
         self._lock = threading.RLock()
         # relative address -> last committed word, or None if unknown
         self._outputs: dict[int, int | None] = {}
+        self._names: dict[int, str] = {}  # of outputs, for errors
         self._staged: dict[int, int] | None = None
         self._staged_checked: bool | None = None
         self._batch_thread: int | None = None
@@ -69,12 +72,16 @@ class CommittedProxy(HardwareProxy):
         with self._lock:
             return dict(self._outputs)
 
-    def declare_outputs(self, addresses: Iterable[int]) -> None:
-        """Let each commit write these words, too. At first they have their values in the device."""
+    def declare_outputs(self, addresses: Iterable[int], name: str = "") -> None:
+        """Let each commit write these words, too. At first they have their values in the device.
+
+        `name` is what errors call them.
+        """
         with self._lock:
             for address in wholes(f"{self.kind}: addresses", addresses):
                 self._check_output(address)
                 self._outputs.setdefault(address, None)
+                self._names[address] = name or f"{self.base + address:#06x}"
 
     @contextmanager
     def batch(self) -> Iterator[Self]:
@@ -181,7 +188,10 @@ class CommittedProxy(HardwareProxy):
         if not changes.keys() <= self._outputs.keys():
             for address in changes:  # if this burst fails half-way, the next one must write these words too
                 self._outputs.setdefault(address, None)
-        words = self._all_words(changes, timeout_s)
+        try:
+            words = self._all_words(changes, timeout_s)
+        except AccessRefused as error:
+            raise self._refused(error)  # noqa: B904  the same error, now with its remedy
         self._settled = False  # whatever happens from here on, check before the next burst
         commit = self.base + self.commit_address
         base = self.base
@@ -194,6 +204,8 @@ class CommittedProxy(HardwareProxy):
             else:
                 self.link.write_many(addresses, values, checked=checked, repeat=True, timeout_s=timeout_s)
                 self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
+        except AccessRefused as error:
+            raise self._refused(error)  # noqa: B904
         except OutcomeUnknown as error:
             # the commit may have happened, and a later return to the old values would be a jump
             self._outputs.update(changes)
@@ -208,6 +220,17 @@ class CommittedProxy(HardwareProxy):
         self._outputs.update(changes)
         self._settle(patience_s, committed=True, status=status)
         self._settled = True
+
+    def _refused(self, error: AccessRefused) -> AccessRefused:
+        """Say what a token needs that may write some outputs of this memory only."""
+        names = list(dict.fromkeys(self._names.get(one, f"{self.base + one:#06x}") for one in self._outputs))
+        if len(names) > 1:
+            more = f" and {len(names) - _NAMES_MOST} more" if len(names) > _NAMES_MOST else ""
+            error.message += (
+                ". A commit writes all outputs of this memory, so the token needs the scope `write` of "
+                f"each: {', '.join(names[:_NAMES_MOST])}{more}"
+            )
+        return error
 
     def _generation_now(self) -> tuple[int, int]:
         first = self.link.generation

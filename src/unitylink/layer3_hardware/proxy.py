@@ -208,7 +208,7 @@ class HardwareProxy:
                 options[name] = whole(f"{self.kind} at {self.base:#06x}: {name}", options[name])
         return self.link.subscribe(self.bus_addresses(addresses), **options)
 
-    def declare_outputs(self, addresses: Iterable[int]) -> None:
+    def declare_outputs(self, addresses: Iterable[int], name: str = "") -> None:
         """Name the words that the PC sets. Only proxies with a commit need this."""
         self.bus_addresses(addresses)
 

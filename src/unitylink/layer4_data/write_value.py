@@ -34,7 +34,7 @@ class WriteValue(Value[T]):
 
     def _prepare(self) -> None:
         super()._prepare()
-        self.hardware.declare_outputs(self.relative_addresses)
+        self.hardware.declare_outputs(self.relative_addresses, self.path)
 
     def wrote(self, raw: int) -> None:
         """Make a raw number that was written the latest value, and tell the recorders."""

@@ -9,8 +9,8 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import LinkNotFound, UrlError
-from unitylink.optional import absent
+from unitylink.errors import UrlError
+from unitylink.zenoh_session import open_session
 
 if TYPE_CHECKING:
     import zenoh
@@ -61,21 +61,13 @@ class RosSession:
 
     def opened(self) -> zenoh.Session:
         """Open a session. Raises LinkNotFound, UrlError, or ToolError if the package is missing."""
-        try:
-            import zenoh
-        except ImportError:
-            raise absent("eclipse-zenoh", "ROS 2 over Zenoh") from None
-        key = self._file
-        try:
-            configuration = zenoh.Config.from_file(self._file) if self._file else zenoh.Config()
-            for key, value in self._settings.items():
-                configuration.insert_json5(key, json.dumps(value))
-        except zenoh.ZError as error:
-            raise UrlError(f"Zenoh does not take {key} of {FILE} or {OVERRIDE}: {_first(error)}") from None
-        try:
-            session = zenoh.open(configuration)
-        except zenoh.ZError as error:
-            raise LinkNotFound(f"there is no Zenoh network: {_first(error)}") from None
+        session = open_session(
+            self._file,
+            self._settings,
+            use="ROS 2 over Zenoh",
+            source=f"{FILE} or {OVERRIDE}",
+            unreachable="there is no Zenoh network",
+        )
         if not session.info.routers_zid():
             where = ", ".join(self._settings.get("connect/endpoints", [self._file]))
             _log.warning(
@@ -84,7 +76,3 @@ class RosSession:
                 where,
             )
         return session
-
-
-def _first(error: Exception) -> str:
-    return str(error).split(" at /")[0].splitlines()[0][:200]

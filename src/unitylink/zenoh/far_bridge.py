@@ -25,7 +25,7 @@ from unitylink.errors import (
 
 from .failures import decode_failure
 from .far_clock import FarClock
-from .messages import CLOCK, DO, LEAVE, ONCE, Answer, Operation, Request, decode_answer
+from .messages import CLOCK, DO, LEAVE, ONCE, VISIT, Answer, Operation, Request, decode_answer
 
 if TYPE_CHECKING:
     import zenoh
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .far_options import FarOptions
 
 _LOOK_S = 1.0  # how long to look for the board
-_CLOCK_S = 2.0  # how often its clock is asked
+_CLOCK_S = 0.5  # how often its clock is asked, and whether it still knows this client
 _PAUSE_S = 0.02  # before a bridge is asked again that was not there
 
 
@@ -60,6 +60,7 @@ class FarBridge:
         self._open: set[int] = set()
         self._boards: set[str] = set()  # whose tokens are there
         self._look = threading.Condition()
+        self._doubt = False  # whether the keeper has to look at once
         self._token: zenoh.LivelinessToken | None = None
         self._answered_generation = 0
         try:
@@ -163,7 +164,10 @@ class FarBridge:
                 return self._checked(decode_answer(answer), request)
             if answer is not None:
                 if isinstance(answer, LinkDown) and sent and request.once:
+                    self._look_now()
                     break  # an earlier copy may have been executed, for a visit that has ended
+                if isinstance(answer, LinkDown):
+                    self._look_now()
                 raise answer
             reached = self._last_reached
             sent += reached
@@ -293,6 +297,11 @@ class FarBridge:
                     f"{self.options.url}: the robot has the spec {told}; {whose} it was {one}"
                 )
 
+    def _look_now(self) -> None:
+        with self._look:
+            self._doubt = True
+            self._look.notify_all()
+
     def _heard_board(self, sample: zenoh.Sample) -> None:
         import zenoh
 
@@ -306,11 +315,16 @@ class FarBridge:
         greeted = True
         while not self.closed:
             with self._look:
-                boards = set(self._boards)
+                boards, self._doubt = set(self._boards), False
             if boards == {self.bridge} and greeted:
                 if self.trouble:  # another robot of the name has gone
                     self._tell("")
-                if not self._learn_clock():
+                answer = self._ask_clock()
+                if isinstance(
+                    answer, UnityLinkError
+                ):  # both were off the network, and the board looks the same
+                    greeted = self._greet_again(f"the visit has ended: {answer}")
+                elif not answer:
                     found = self._tokens()  # a token that went unnoticed
                     with self._look:
                         self._boards = found
@@ -320,13 +334,13 @@ class FarBridge:
                 greeted = False
                 self._tell("the board, its bridge or the way to it is gone")
             else:
-                greeted = self._greet_again()
+                greeted = self._greet_again("the board is back, and is being greeted")
             with self._look:
-                if boards == self._boards and not self.closed:
+                if boards == self._boards and not self.closed and not self._doubt:
                     self._look.wait(_CLOCK_S if greeted else _PAUSE_S * 5)
 
-    def _greet_again(self) -> bool:
-        self._tell("the board is back, and is being greeted")
+    def _greet_again(self, why: str) -> bool:
+        self._tell(why)
         try:
             self._greet()
         except DeviceMismatch as error:
@@ -351,16 +365,17 @@ class FarBridge:
         else:
             self._changed("lost" if trouble else "back", trouble or "the board is back")
 
-    def _learn_clock(self) -> bool:
+    def _ask_clock(self) -> bool | UnityLinkError:
+        """Ask for the clock. Return whether this bridge has answered, or the error that it answers."""
         asked_ns = time.monotonic_ns()
-        answer = self.once(self.keys.fixed("clock"), b"", _LOOK_S)
+        answer = self.once(self.keys.fixed("clock"), VISIT.pack(self.visit), _LOOK_S)
         heard_ns = time.monotonic_ns()
         if isinstance(answer, bytes) and len(answer) == CLOCK.size:
             bridge, told_ns = CLOCK.unpack(answer)
             if bridge == int(self.bridge, 16):
                 self.clock.learn(asked_ns, told_ns, heard_ns)
                 return True
-        return False
+        return answer if isinstance(answer, UnityLinkError) and self._last_reached else False
 
 
 def _read_hello(data: bytes) -> dict[str, Any]:

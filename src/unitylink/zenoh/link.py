@@ -68,10 +68,14 @@ class ZenohLink(Link):
         return SetPoints(self, self._far, part, ttl_s)
 
     def _text(self, what: str) -> str:
-        answer = self._far.bridge.once(self._far.bridge.keys.fixed(what), b"", _TEXT_S)
-        if isinstance(answer, bytes):
-            return answer.decode("utf-8", "replace")
-        raise answer or LinkTimeout(f"{self.url}: the bridge does not tell its {what}")
+        bridge = self._far.bridge
+        for _ in range(bridge.options.attempts):
+            answer = bridge.once(bridge.keys.fixed(what), b"", _TEXT_S)
+            if isinstance(answer, bytes):
+                return answer.decode("utf-8", "replace")
+            if answer is not None:
+                raise answer
+        raise LinkTimeout(f"{self.url}: the bridge does not tell its {what}")
 
 
 @cache

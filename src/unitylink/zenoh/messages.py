@@ -8,8 +8,10 @@ and a mask. The answer has a head and the words that were read. docs/zenoh.md ha
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 from unitylink import protocol as p
 from unitylink.errors import ProtocolError
@@ -31,21 +33,23 @@ OPERATIONS = frozenset(
 )
 READS = frozenset((p.LIST_OPERATION_READ, p.LIST_OPERATION_READ_FIFO))
 OPERATIONS_MAX = 1024  # of one request
+_KNOWN = 256  # lists of operations that are kept, of at most 13 kB each
 TTL_MAX_NS = 10_000_000_000  # of a set-point
 
 _HEAD = struct.Struct("<BBHQQQqIHH")
 _OPERATION = struct.Struct("<BIII")
+_WORD = struct.Struct("<I")
 _ANSWER = struct.Struct("<BBHQI")
 _POINT = struct.Struct("<BBHQQq")
 SAMPLE = struct.Struct("<Iq")
 CLOCK = struct.Struct("<Qq")
+VISIT = struct.Struct("<Q")
 HEAD_BYTES = _HEAD.size
 
 Operation = tuple[int, int, int, int]
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(NamedTuple):
     """What a client asks of a bridge.
 
     `visit` is the number that the bridge gave the client. `id` is the request's own, and `settled` is below
@@ -76,19 +80,11 @@ class Request:
 
     def encode(self) -> bytes:
         """Return the bytes of the request."""
+        kind, visit, number, settled, deadline_ns, flags, argument, detail, operations, body = self
         head = _HEAD.pack(
-            VERSION,
-            self.kind,
-            self.flags,
-            self.visit,
-            self.id,
-            self.settled,
-            self.deadline_ns,
-            self.argument,
-            self.detail,
-            len(self.operations),
+            VERSION, kind, flags, visit, number, settled, deadline_ns, argument, detail, len(operations)
         )
-        return head + b"".join(_OPERATION.pack(*one) for one in self.operations) + self.body
+        return head + b"".join(_OPERATION.pack(*one) for one in operations) + body
 
 
 def decode_request(data: bytes) -> Request:
@@ -112,15 +108,21 @@ def decode_request(data: bytes) -> Request:
     end = HEAD_BYTES + count * _OPERATION.size
     if len(data) < end or (kind != WRITE_VALUE and len(data) > end):
         raise ProtocolError(f"a request of {len(data)} bytes with {count} operations, which take {end}")
-    operations = tuple(_OPERATION.iter_unpack(data[HEAD_BYTES:end]))
-    for operation, *_ in operations:
-        if operation not in OPERATIONS:
-            raise ProtocolError(f"a request with the operation {operation}, which does not exist")
+    operations = _operations(data[HEAD_BYTES:end])
     return Request(kind, visit, number, settled, deadline_ns, flags, argument, detail, operations, data[end:])
 
 
-@dataclass(frozen=True)
-class Answer:
+@lru_cache(_KNOWN)
+def _operations(data: bytes) -> tuple[Operation, ...]:
+    """Return the operations in these bytes. A client that reads again and again sends the same ones."""
+    operations = tuple(_OPERATION.iter_unpack(data))
+    for operation, *_ in operations:
+        if operation not in OPERATIONS:
+            raise ProtocolError(f"a request with the operation {operation}, which does not exist")
+    return operations
+
+
+class Answer(NamedTuple):
     """What a bridge answers to a request. `generation` is that of the link to the board."""
 
     id: int
@@ -129,8 +131,9 @@ class Answer:
 
     def encode(self) -> bytes:
         """Return the bytes of the answer."""
-        head = _ANSWER.pack(VERSION, 0, 0, self.id, self.generation & 0xFFFFFFFF)
-        return head + struct.pack(f"<{len(self.words)}I", *self.words)
+        number, generation, words = self
+        head = _ANSWER.pack(VERSION, 0, 0, number, generation & 0xFFFFFFFF)
+        return head + (_WORD.pack(*words) if len(words) == 1 else struct.pack(f"<{len(words)}I", *words))
 
 
 def decode_answer(data: bytes) -> Answer:
@@ -150,7 +153,8 @@ def decode_answer(data: bytes) -> Answer:
 class SetPoint:
     """Values to be written if they are still the newest, and if it is not too late.
 
-    `key` is where they came. `sequence` rises with each set-point of a visit.
+    `key` is where they came. `sequence` rises with each set-point of a visit. `values` is what `body` says,
+    if somebody has read it.
     """
 
     key: str
@@ -158,6 +162,7 @@ class SetPoint:
     sequence: int
     deadline_ns: int
     body: bytes
+    values: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
     def encode(self) -> bytes:
         """Return the bytes of the set-point."""
@@ -187,7 +192,7 @@ def decode_sample(data: bytes, words: int) -> tuple[int, int, tuple[int, ...]]:
 
 def unpack_words(data: bytes) -> tuple[int, ...]:
     """Return the 32-bit words in these bytes."""
-    return struct.unpack(f"<{len(data) // 4}I", data)
+    return _WORD.unpack(data) if len(data) == _WORD.size else struct.unpack(f"<{len(data) // 4}I", data)
 
 
 def operations_of(kind: int, addresses: Sequence[int], values: Sequence[int] = ()) -> tuple[Operation, ...]:

@@ -3,19 +3,17 @@
 
 from __future__ import annotations
 
-import json
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import LinkNotFound, UrlError
-from unitylink.optional import absent
+from unitylink.zenoh_session import open_session
 
 if TYPE_CHECKING:
     import zenoh
 
 ROUTER = "tcp/127.0.0.1:7447"
 LEASE_MS = 800  # a peer that is silent for so long is gone
+_BURST = 16  # set-points, at most: each goes alone, and one for which there is no room is dropped
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
 
@@ -23,7 +21,8 @@ _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when 
 class Network:
     """How to get on a Zenoh network.
 
-    `connect` is a locator such as `tcp/10.0.0.7:7447`. With `listen`, the session is the router itself.
+    `connect` is a locator such as `tcp/10.0.0.7:7447`. With `listen`, the session is the router itself,
+    and `connect` is another one to which it is linked.
     `config` is a file of Zenoh with all that is not here, such as TLS.
     """
 
@@ -33,32 +32,24 @@ class Network:
 
     def opened(self) -> zenoh.Session:
         """Open a session. Raises LinkNotFound, UrlError, or ToolError if the package is missing."""
-        try:
-            import zenoh
-        except ImportError:
-            raise absent("eclipse-zenoh", "a Zenoh network") from None
-        try:
-            zenoh_config = zenoh.Config.from_file(self.config) if self.config else zenoh.Config()
-            for key, value in self._settings().items():
-                zenoh_config.insert_json5(key, json.dumps(value))
-        except zenoh.ZError as error:
-            what = self.config or self.listen or self.connect
-            raise UrlError(f"Zenoh does not take {what}: {_first(error)}") from None
-        try:
-            return zenoh.open(zenoh_config)
-        except zenoh.ZError as error:
-            if self.listen:
-                raise LinkNotFound(f"no Zenoh router can listen at {self.listen}: {_first(error)}") from None
+        if self.listen:
+            unreachable = f"no Zenoh router can listen at {self.listen}"
+        else:
             where = self.connect or self.config or ROUTER
-            raise LinkNotFound(
-                f"no Zenoh router answers at {where}: is it running, or `unitylink bridge zenoh`? "
-                f"{_first(error)}"
-            ) from None
+            unreachable = f"no Zenoh router answers at {where}: is it running, or `unitylink bridge zenoh`?"
+        return open_session(
+            self.config,
+            self._settings(),
+            use="a Zenoh network",
+            source=self.config or self.listen or self.connect,
+            unreachable=unreachable,
+        )
 
     def _settings(self) -> dict[str, Any]:
         settings: dict[str, Any] = {
             "transport/link/tx/lease": LEASE_MS,
             "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
+            "transport/link/tx/queue/size/interactive_high": _BURST,
             "transport/shared_memory/enabled": False,
             "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
         }
@@ -68,6 +59,8 @@ class Network:
         settings["scouting/gossip/enabled"] = False
         if self.listen:
             settings |= {"mode": "router", "listen/endpoints": [_sized(self.listen)]}
+            if self.connect:
+                settings["connect/endpoints"] = [_sized(self.connect)]
         else:
             settings |= {
                 "mode": "client",
@@ -83,7 +76,3 @@ def _sized(locator: str) -> str:
         return locator
     joint = ";" if "#" in locator else "#"
     return f"{locator}{joint}so_sndbuf={_SOCKET_BYTES};so_rcvbuf={_SOCKET_BYTES}"
-
-
-def _first(error: Exception) -> str:
-    return re.split(r" at /|\n|#so_", str(error))[0][:200]

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unitylink.errors import (
+    AccessRefused,
     DeviceMismatch,
     LinkTimeout,
     NetworkError,
@@ -54,6 +55,19 @@ def test_no_word_falls_back(fake: ModuleType) -> None:
     network.write(0x8D, 3)
     assert model.outputs[0] == {0x8C: 1, 0x8D: 3}
     assert not model.aborted
+
+
+def test_a_refusal_names_all_that_a_commit_writes(fake: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, link, network = tosnet(fake)
+    network.declare_outputs([0x84], "j2.goal")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AccessRefused("this is not allowed", address=0x884)
+
+    monkeypatch.setattr(link, "write_many", refuse)
+    with pytest.raises(AccessRefused, match=r"needs the scope `write` of each: j2\.goal, 0x0880$") as refused:
+        network.write(0x80, 1)
+    assert refused.value.address == 0x884
 
 
 @settings(max_examples=60, deadline=None)

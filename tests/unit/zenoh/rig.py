@@ -148,12 +148,12 @@ class Rig:
         until(lambda: self.bridge.state()["away"] == "")
         return self.bridge
 
-    def made(self, network: Network) -> Bridge:
+    def made(self, network: Network, publishing: Network | None = None) -> Bridge:
         return Bridge(
             self.robot,
             Keys("lab/arm1"),
             network,
-            self.network,
+            publishing or self.network,
             pack_spec(self.file, "arm"),
             token=self.token,
             reading=self.reading,

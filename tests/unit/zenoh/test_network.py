@@ -235,6 +235,16 @@ def test_set_points_are_fresh_or_not_executed(stack: ExitStack, rig: Rig) -> Non
     assert rig.bridge.state()["set_points"]["written"] >= 2
 
 
+def test_the_last_set_point_of_a_burst_is_written(stack: ExitStack, rig: Rig) -> None:
+    """Zenoh drops what finds no room in its queue, and that would be the newest one."""
+    goals = opened(stack, rig).set_points("j1.goal", ttl_s=5.0)
+    before = sum(rig.bridge.state()["set_points"].values())
+    for number in range(1, 13):
+        goals.send(number / 1000)
+    until(lambda: sum(rig.bridge.state()["set_points"].values()) == before + 12)
+    assert rig.board.registers[GOAL] == 12
+
+
 def test_a_stop_and_what_follows(stack: ExitStack, rig: Rig) -> None:
     link, stranger = opened(stack, rig), Stranger(stack, rig)
     goal = link.robot()["j1.goal"]
@@ -339,7 +349,7 @@ def test_a_second_robot_of_the_name(stack: ExitStack, rig: Rig) -> None:
         ("zenoh:lab/arm1?speed=1", "no option 'speed'"),
         ("zenoh:lab/arm1?timeout=x", "could not convert"),
         ("zenoh:lab/arm1?attempts=0", "attempts are 1 to"),
-        ("zenoh:lab/arm1?connect=here", "Zenoh does not take here"),
+        ("zenoh:lab/arm1?connect=here", "Zenoh does not take connect/endpoints of here"),
     ],
 )
 def test_a_url_that_cannot_be_understood(url: str, why: str) -> None:
@@ -373,6 +383,21 @@ def test_a_board_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     assert link.wait_up(10)
     assert link.read(ANGLE) == 250 and link.generation > generation
     until(lambda: rows)
+
+
+def test_a_client_that_the_bridge_has_lost_says_hello_again(stack: ExitStack, rig: Rig) -> None:
+    """If both were cut off from their router, the board looks the same to the client all the time."""
+    link = opened(stack, rig)
+    (visit,) = rig.bridge._guests.visits.all()
+    rig.bridge._guests.leave(visit)
+    with pytest.raises(LinkDown, match="say hello again"):
+        link.read(ANGLE)
+    until(lambda: rig.bridge.state()["clients"])
+    assert link.wait_up(3) and link.read(ANGLE) == 250
+    (visit,) = rig.bridge._guests.visits.all()
+    rig.bridge._guests.leave(visit)
+    until(lambda: rig.bridge.state()["clients"])  # also without a request
+    until(lambda: link.statistics().reconnections == 2)
 
 
 def test_a_bridge_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:

@@ -14,9 +14,11 @@ import pytest
 from unitylink.errors import ProtocolError, UrlError, ValueRangeError
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
+from unitylink.zenoh.bridge.groups import Output
 from unitylink.zenoh.bridge.topics import TypedRows, layouts_of, topic_names
 from unitylink.zenoh.bridge.visits import GRACE_NS, Visits
 from unitylink.zenoh.keys import Keys
+from unitylink.zenoh.messages import SAMPLE
 from unitylink.zenoh.schema import Field, fields_of, schema_of, set_layouts
 from unitylink.zenoh.spec_files import pack_spec, unpack_spec
 
@@ -90,7 +92,13 @@ def test_rows_are_the_same_as_single_values(spec: Spec, fields: dict[str, Field]
     chance = np.random.default_rng(1)
     words = chance.integers(0, 1 << 32, (50, len(mine)), dtype=np.uint32)
     words[:, 2] &= 0xF
-    for row, data in zip(words.tolist(), TypedRows(mine)(words), strict=True):
+    rows, puts = TypedRows(mine), list[bytes]()
+    first, times_ns = 2**32 - 1, list(range(50))
+    Output(puts.append, rows, rows.row_bytes).send(first, times_ns, words)
+    heads = [SAMPLE.unpack_from(one) for one in puts]
+    assert heads == [((first + time_ns) % 2**32, time_ns) for time_ns in times_ns]
+    for row, put in zip(words.tolist(), puts, strict=True):
+        data = put[SAMPLE.size :]
         single = b"".join(field.pack(raw & field.codec.mask) for field, raw in zip(mine, row, strict=True))
         assert data == single or np.isnan(np.frombuffer(data[-8:], "<f8")[0])
 

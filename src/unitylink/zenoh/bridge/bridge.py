@@ -15,19 +15,19 @@ from unitylink.errors import LinkBusy, LinkDown, UnityLinkError
 from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import CONTROL_ARM
 
-from ..messages import CLOCK
+from ..messages import CLOCK, VISIT
 from ..schema import fields_of, schema_of, set_layouts
 from .executor import Executor
 from .groups import Groups
 from .guests import Guests
-from .queries import Queries
+from .queries import Queries, Refused, payload_of
 from .refusals import Refusals
 from .requests import Requests
 from .set_points import SetPoints
 from .stops import Stops
 from .topics import Topics, layouts_of
 from .values import Values
-from .visits import Visit
+from .visits import UNKNOWN, Visit
 
 if TYPE_CHECKING:
     import zenoh
@@ -296,6 +296,13 @@ class Bridge:
         return json.dumps(self._schema)
 
     def _clock(self, query: zenoh.Query) -> None:
+        """Answer who this is, and when. Who sends the number of its visit is told if that has ended."""
+        data = payload_of(query)
+        if len(data) == VISIT.size:
+            with self._guests.lock:
+                known = self._guests.visits.get(*VISIT.unpack(data)) is not None
+            if not known:
+                raise Refused("unknown", LinkDown(UNKNOWN))
         query.reply(self.keys.fixed("clock"), CLOCK.pack(int(self.id, 16), time.monotonic_ns()))
 
 

@@ -18,7 +18,7 @@ from unitylink.protocol import (
     LIST_OPERATION_WRITE,
     LIST_OPERATION_WRITE_FIFO,
 )
-from unitylink.server.grants import commit_of, grant, paths_of
+from unitylink.server.grants import EVERYTHING, commit_of, grant, paths_of
 from unitylink.server.subtree import WHOLE
 
 from ..messages import ATOMIC, CHECKED, ONCE, UNCHECKED, Operation, Request
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from unitylink.server.gate import Client
     from unitylink.server.grants import Ranges
     from unitylink.server.robot import Robot
+    from unitylink.server.scopes import Rights
 
 T = TypeVar("T")
 _ATTEMPT_LEAST_S, _ATTEMPT_MOST_S, _ATTEMPTS = 0.005, 0.1, 3
@@ -40,15 +41,16 @@ class Executor:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self._paths = paths_of(robot.spec)
+        self._elements = dict(robot.spec.walk())
         self._commits: dict[int, frozenset[str]] = {}  # the items that a word commits
-        for path, element in robot.spec.walk():
+        for path, element in self._elements.items():
             if element.writable and (word := commit_of(element.link)) is not None:
                 self._commits[word] = self._commits.get(word, frozenset()) | {path}
         self._lock = threading.Lock()  # guards what follows
         self._link: Link | None = None
         self._desk: Desk | None = None
         self._parts: dict[str, ValueGroup] = {}
-        self._readable: dict[str, Ranges] = {}  # by the rights of a user
+        self._readable: list[tuple[Rights, Ranges]] = []  # of each user
 
     def desk(self) -> tuple[Link, Desk]:
         """Return the link and what passes requests to it. Raises UnityLinkError if the board is away."""
@@ -58,6 +60,11 @@ class Executor:
                 self._link, self._desk = link, Desk(load_spec_objects(self.robot.spec, link), gate, lock)
                 self._parts = {}
             return link, self._desk
+
+    @property
+    def generation(self) -> int:
+        """How often the link has lost the board and found it again."""
+        return self._link.generation if self._link is not None else 0
 
     def words(self, client: Client, request: Request) -> list[int]:
         """Do a list of operations, and return the words that were read."""
@@ -124,9 +131,11 @@ class Executor:
         link, desk = self.desk()
         with desk.gate() as gate:
             gate.check_read(client, path, now())
-        element = dict(self.robot.spec.walk()).get(path)
+        element = self._elements.get(path)
         if element is None or not element.readable:
             raise UnknownName(f"the robot has nothing to read at {path}")
+        if element.words == 1:
+            return link.read(element.address, checked=element.checked, repeat=element.pollable)
         words = link.read_many(
             element.addresses, atomic=element.words > 1, checked=element.checked, repeat=element.pollable
         )
@@ -176,14 +185,22 @@ class Executor:
 
     def check_reads(self, client: Client, operations: tuple[Operation, ...]) -> None:
         """Raises AccessRefused if this client may not read one of the words."""
-        rights = client.user.rights
-        with self._lock:
-            ranges = self._readable.get(str(rights))
-            if ranges is None:
-                ranges = self._readable[str(rights)] = grant(self.robot.spec, rights).reads
+        ranges = self._ranges(client.user.rights)
+        if ranges is EVERYTHING:
+            return
         for operation, address, *_ in operations:
             if operation < LIST_OPERATION_WRITE and not any(low <= address <= high for low, high in ranges):
                 raise AccessRefused(f"{client.name} may not read {address:#06x}", address=address)
+
+    def _ranges(self, rights: Rights) -> Ranges:
+        """Return the words that a user may read. A request is answered often, so they are computed once."""
+        for known, ranges in self._readable:
+            if known == rights:
+                return ranges
+        ranges = grant(self.robot.spec, rights).reads
+        with self._lock:
+            self._readable.append((rights, ranges))
+        return ranges
 
 
 def _in_time(deadline_ns: int, send: Callable[[], T]) -> T:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import struct
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from unitylink.errors import UnityLinkError
+from unitylink.errors import ProtocolError, UnityLinkError
 
 from ..messages import SAMPLE
 
@@ -25,16 +26,34 @@ if TYPE_CHECKING:
 GATHER_S = 0.001  # a fast stream wakes the bridge so often at most
 _CLOSE_NS = 1_000_000  # between the time of a link and that of the system: then they are the same
 Put = Callable[[bytes], Any]
-Body = Callable[["Words"], Sequence[bytes]]
+Body = Callable[["Words"], bytes]
 _Wanted = tuple[tuple[int, ...], int, bool, "int | None"]
 _log = logging.getLogger("unitylink.zenoh")
 
 
-def raw_words(words: Words) -> list[bytes]:
-    """Return the bytes of each row: its words, little-endian."""
-    rows = np.ascontiguousarray(words, dtype="<u4")
-    data, step = rows.tobytes(), rows.shape[1] * 4
-    return [data[start : start + step] for start in range(0, len(data), step)]
+def raw_words(words: Words) -> bytes:
+    """Return the bytes of all rows, one after the other: their words, little-endian."""
+    return np.asarray(words, dtype="<u4").tobytes()
+
+
+class Output:
+    """Where the rows of a group go: `put` takes the message of each.
+
+    `body` returns the bytes of rows of words, one after the other, `row_bytes` for each.
+    """
+
+    def __init__(self, put: Put, body: Body, row_bytes: int) -> None:
+        self._put, self._body, self._row_bytes = put, body, row_bytes
+        self._message = struct.Struct(f"{SAMPLE.format}{row_bytes}s")
+
+    def send(self, first: int, times_ns: Sequence[int], words: Words) -> None:
+        """Put a message for each row. `first` is the sequence of the first one."""
+        data, step = self._body(words), self._row_bytes
+        if len(data) != step * len(times_ns):
+            raise ProtocolError(f"{len(data)} bytes for {len(times_ns)} publishes of {step} bytes")
+        put, pack = self._put, self._message.pack
+        for number, time_ns in enumerate(times_ns):
+            put(pack(first + number & 0xFFFFFFFF, time_ns, data[number * step : (number + 1) * step]))
 
 
 class Group:
@@ -44,7 +63,7 @@ class Group:
         self.wanted = wanted
         self._publisher = publisher
         self.users: set[int] = set()  # visits, and 0 for the topic
-        self.outputs: tuple[tuple[Put, Body], ...] = ((publisher.put, raw_words),)
+        self.outputs: tuple[Output, ...] = (Output(publisher.put, raw_words, 4 * len(wanted[0])),)
         self.subscription: Subscription | None = None
         self.published = 0
         self._link: Link | None = None
@@ -79,12 +98,10 @@ class Group:
         since_ns = time.monotonic_ns() - int(link.now_s() * 1e9)
         if abs(since_ns) < _CLOSE_NS:
             since_ns = 0
-        times_ns = ((times * 1e9).astype(np.int64) + since_ns).tolist()
-        heads = [SAMPLE.pack(first + n & 0xFFFFFFFF, time_ns) for n, time_ns in enumerate(times_ns)]
-        for put, body in self.outputs:
+        times_ns = [int(time_s * 1e9) + since_ns for time_s in times.tolist()]
+        for output in self.outputs:
             try:
-                for head, data in zip(heads, body(words), strict=True):
-                    put(head + data)
+                output.send(first, times_ns, words)
             except Exception as error:  # the session ends, or the board holds what its type does not have
                 _log.debug("a publish was left out: %s", error)
         return True
@@ -109,7 +126,7 @@ class Groups:
         on_event: bool = False,
         verify: bool = True,
         group: int | None = None,
-        topic: tuple[Put, Body] | None = None,
+        topic: Output | None = None,
     ) -> int:
         """Let a user have a group. Return its number. Raises LinkError, for example if no group is free."""
         wanted = (addresses, divisor, on_event, group)

@@ -26,6 +26,7 @@ from ..messages import (
 )
 from .ledger import OPEN_MAX, Verdict
 from .queries import BYTES_MAX, KEPT, Refused, payload_of, reason_of
+from .visits import UNKNOWN
 
 if TYPE_CHECKING:
     import zenoh
@@ -59,7 +60,7 @@ class Requests:
         """Answer a query in the form of `decode_request`."""
         visit, request = self.taken(payload_of(query))
         if not request.once:
-            self._reply(query, _ANSWER + self._done(visit, request))
+            query.reply(query.key_expr, self._done(visit, request))
             return None
         return self.answer_once(query, visit, request, lambda: self._done(visit, request))
 
@@ -71,8 +72,7 @@ class Requests:
         with self._lock:
             visit = self._visits.get(request.visit)
         if visit is None:
-            text = "this bridge does not know the client (any more); it has to say hello again"
-            raise Refused("unknown", LinkDown(text))
+            raise Refused("unknown", LinkDown(UNKNOWN))
         return visit, request
 
     def answer_once(
@@ -132,8 +132,7 @@ class Requests:
             return Answer(request.id, 0).encode()
         else:
             raise ProtocolError(f"a request of the kind {request.kind} does not belong here")
-        link, _ = self._executor.desk()
-        return Answer(request.id, link.generation, tuple(words)).encode()
+        return Answer(request.id, self._executor.generation, tuple(words)).encode()
 
     def _subscribed(self, visit: Visit, request: Request) -> int:
         if not request.operations or any(one[0] not in READS for one in request.operations):

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from unitylink.errors import LinkTimeout, ProtocolError, UnityLinkError
 
@@ -79,7 +80,7 @@ class SetPoints:
             if len(data) > BYTES_MAX:
                 raise ProtocolError(f"a set-point of {len(data)} bytes")
             point = decode_set_point(key, data)
-            self._layouts[key][1].unpack(point.body)
+            point = replace(point, values=self._layouts[key][1].unpack(point.body))
         except UnityLinkError as error:
             return self._refusals.add(reason_of(error), f"{key}: {error}")
         with self._visits_lock:
@@ -107,14 +108,13 @@ class SetPoints:
                 self._write(point)
 
     def _write(self, point: SetPoint) -> None:
-        part, layout = self._layouts[point.key]
+        part, _ = self._layouts[point.key]
         with self._visits_lock:
             visit = self._visits.get(point.visit)
         if visit is None:
             return
-        values: dict[str, Any] = layout.unpack(point.body)
         try:
-            self._executor.set_point(visit.client, values, part, point.deadline_ns)
+            self._executor.set_point(visit.client, point.values, part, point.deadline_ns)
             self.written += 1
         except LinkTimeout as error:
             self._refusals.add("late", f"{point.key}: {error}")

@@ -13,6 +13,7 @@ import numpy as np
 from unitylink.errors import UnityLinkError
 
 from ..schema import Field, Layout
+from .groups import Output
 
 if TYPE_CHECKING:
     import zenoh
@@ -47,9 +48,10 @@ class TypedRows:
     def __init__(self, fields: Sequence[Field]) -> None:
         self._fields = tuple(fields)
         self._dtype = np.dtype([(one.path, _DTYPES.get(one.type, _integer(one.type))) for one in fields])
+        self.row_bytes = self._dtype.itemsize
 
-    def __call__(self, words: Words) -> list[bytes]:
-        """Return the bytes of each row."""
+    def __call__(self, words: Words) -> bytes:
+        """Return the bytes of all rows, one after the other."""
         rows = np.zeros(len(words), dtype=self._dtype)
         column = 0
         for field in self._fields:
@@ -59,8 +61,7 @@ class TypedRows:
             column += field.codec.words
             raw &= np.uint64(field.codec.mask)
             rows[field.path] = raw if field.packed else field.codec.decode_array(raw)
-        data, step = rows.tobytes(), self._dtype.itemsize
-        return [data[start : start + step] for start in range(0, len(data), step)]
+        return rows.tobytes()
 
 
 def _integer(kind: str) -> str:
@@ -105,7 +106,7 @@ class Topics:
                 on_event=not group.divisor,
                 verify=all(element.pollable for element in group.elements),
                 group=None if group.divisor else group.number,
-                topic=(publisher.put, self._rows[name]),
+                topic=Output(publisher.put, self._rows[name], self._rows[name].row_bytes),
             )
             self.failed.pop(name, None)
         except UnityLinkError as error:

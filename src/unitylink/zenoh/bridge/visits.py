@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from unitylink.server.gate import Client
 
 VISITS_MAX = 256
+UNKNOWN = "this bridge does not know the client (any more); it has to say hello again"
 GRACE_NS = 3_000_000_000  # how long a visit lasts whose token has not been seen
 
 

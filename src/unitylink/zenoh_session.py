@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Opens sessions of the Zenoh library, and says in our errors what was wrong."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import LinkNotFound, UrlError
+from unitylink.optional import absent
+
+if TYPE_CHECKING:
+    import zenoh
+
+
+def open_session(
+    file: str, settings: Mapping[str, Any], *, use: str, source: str, unreachable: str
+) -> zenoh.Session:
+    """Open a session with the configuration in `file`, or the default, and `settings` above it.
+
+    `use` says for what the package is needed, `source` where the configuration comes from, and `unreachable`
+    what it means if no session opens. Raises ToolError, UrlError or LinkNotFound.
+    """
+    try:
+        import zenoh
+    except ImportError:
+        raise absent("eclipse-zenoh", use) from None
+    what = file
+    try:
+        configuration = zenoh.Config.from_file(file) if file else zenoh.Config()
+        for key, value in settings.items():
+            what = f"{key} of {source}"
+            configuration.insert_json5(key, json.dumps(value))
+    except zenoh.ZError as error:
+        raise UrlError(f"Zenoh does not take {what}: {_first(error)}") from None
+    try:
+        return zenoh.open(configuration)
+    except zenoh.ZError as error:
+        raise LinkNotFound(f"{unreachable}: {_first(error)}") from None
+
+
+def _first(error: Exception) -> str:
+    """Return what an error of Zenoh says, without places in its source and our options of a locator."""
+    return re.split(r" at /|\n|#so_", str(error))[0][:200]
