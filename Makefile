@@ -44,7 +44,7 @@
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a
-#                build of the sdist (TESTS=tests/ros: of these)
+#                build of the sdist, all examples of the properties (TESTS=tests/ros: of these)
 #   make unit    the Python tests that need no board process, in about two minutes
 #   make native-tests   the C++ tests alone
 #   make clean   removes build/ and .venv/
@@ -143,7 +143,7 @@ long: $(VENV)/.built $(NATIVE)/.built
 	@for name in test demo wheel boards browser; do tools/setup.sh group $$name || exit 1; done
 	@tools/setup.sh system
 	@tools/setup.sh page
-	$(BIN)/python -m pytest $(TESTS) -q -m long
+	UNITYLINK_EXAMPLES=all $(BIN)/python -m pytest $(TESTS) -q -m "long or many or hypothesis"
 
 check: $(VENV)/.built
 	@tools/setup.sh group test

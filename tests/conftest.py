@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -14,10 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from effort import many
 from hypothesis import settings
 
-settings.register_profile("untimed", deadline=None)
+settings.register_profile("untimed", deadline=None, max_examples=many(100))
 settings.load_profile("untimed")
+
+# Modules and tests stay until the end, so the collector need not look for cycles in them: not while they are
+# made, and not whenever a test collects.
+gc.disable()
 
 ROOT = Path(__file__).resolve().parents[1]
 SHORT_RUN_S = 300  # after a shorter run, the slowest files are not printed
@@ -69,6 +75,12 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
 def program() -> Callable[[str], Path]:
     """The path of a native bench program by its name."""
     return built
+
+
+def pytest_collection_finish() -> None:
+    """Let the collector look only at what is made from now on."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:

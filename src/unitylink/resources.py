@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from functools import cache
 from pathlib import Path
 
 from unitylink.errors import ToolError
@@ -17,6 +18,7 @@ def cache_folder(name: str) -> Path:
     return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / name
 
 
+@cache
 def resource_folder(name: str) -> Path:
     """Return the folder called `name` ("gateware", "components", "examples").
 

@@ -165,7 +165,14 @@ def test_control_goes_from_one_person_to_another(open_page: Open, arm: Robot, sh
 def test_a_program_and_two_people_share_the_robot(open_page: Open, arm: Robot, shoot: Shoot) -> None:
     """What `make demo-serve` shows: the robot moves by itself, and people look, take over and give back."""
     demo = module_of(ROOT / "examples" / "dashboard" / "run.py")
-    demo.POLITE_S = 4.0
+    demo.POLITE_S = 0.2
+    waits = threading.Event()  # the program, for as long as a person needs to take control
+
+    class Patient(demo.Mover):  # type: ignore[misc]
+        def step(self) -> float:
+            return demo.POLITE_S if waits.is_set() and not self._holds() else super().step()
+
+    demo.Mover = Patient
     layout = "charts=j1.cpos,j1.pos_sp,j2.cpos/10;j3.cpos/10"
     page, other = open_page("owner", layout), open_page("ben", "charts=j2.spd/5")
     stop = threading.Event()
@@ -177,9 +184,11 @@ def test_a_program_and_two_people_share_the_robot(open_page: Open, arm: Robot, s
         expect(value_of(other, "j2", "spd")).not_to_have_text("0.00 deg/s")
         page.wait_for_timeout(6000 if os.environ.get("UPDATE_SCREENS") else 0)
         shoot(page, "dashboard")
+        waits.set()
         page.get_by_role("button", name="take away").click()
         page.get_by_role("dialog").get_by_role("button", name="yes").click()
         take_control(page)
+        waits.clear()  # from now on the program asks again and again, and is refused
         expect(value_of(page, "j1", "spd")).to_have_text("0.00 deg/s")
         page.get_by_role("button", name="give back").click()
         who = page.get_by_role("status", name="who controls what")

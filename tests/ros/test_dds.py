@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ros.nodes import PATIENCE_S, RIG, generated_node, node_here, store, until
@@ -59,7 +60,7 @@ numbers = {
 }
 
 
-@settings(max_examples=60)
+@settings(max_examples=many(60))
 @given(data=st.data())
 def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: Any) -> None:
     """For any message with any content, our bytes are those of rosbags' serialiser, and are read back."""

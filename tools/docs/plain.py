@@ -20,6 +20,7 @@ import ast
 import os
 import random
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +29,9 @@ ROOT = Path(__file__).resolve().parents[2]
 NOT_READ = ("build", "dist", "node_modules")
 SHORTEST = 3  # words
 KINDS = {"pages": [".md"], "python": [".py"], "vhdl": [".vhd"], "c++": [".hpp", ".cpp", ".h"]}  # their files
+
+# The parts of a statement that hold statements.
+BLOCKS = ("body", "handlers", "orelse", "finalbody", "cases")
 
 FENCE = re.compile(r"^\s*(```|~~~)")
 ITEM = re.compile(r"^\s*(?:[-*+]|\d+[.)])\s+")
@@ -147,11 +151,16 @@ def _split(line: int, block: str) -> Iterator[tuple[int, str, int]]:
 
 def _python(source: str) -> Iterator[tuple[int, str]]:
     """Yield (lines before it, text) of each docstring and each run of comments."""
-    for node in ast.walk(ast.parse(source)):
+    left: deque[ast.AST] = deque([ast.parse(source)])
+    while left:
+        node = left.popleft()
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
             text = ast.get_docstring(node, clean=True)
             if text is not None:
                 yield node.body[0].lineno - 1, text
+        # Expressions hold no docstring, and are most of the nodes.
+        for name in BLOCKS:
+            left.extend(getattr(node, name, ()))
     yield from _comments(source, COMMENT[".py"])
 
 

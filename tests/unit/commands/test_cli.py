@@ -14,6 +14,7 @@ from unittest.mock import patch
 
 import click
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -116,7 +117,7 @@ TOKENS = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=many(150), deadline=None)
 @given(
     st.sampled_from(["check", "list", "read", "write", "info", "watch", "conformance"]),
     st.lists(TOKENS, max_size=5),

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -42,16 +40,6 @@ def test_the_code_is_that_of_main(code: int) -> None:
     with pytest.raises(SystemExit) as ended:
         run_program(lambda: code, name="arm")
     assert ended.value.code == code
-
-
-@pytest.mark.parametrize("options", [[], ["-u"]])  # without -u, the pipe is written to only at the end
-def test_a_reader_that_goes_away_is_no_error(options: list[str]) -> None:
-    command = [sys.executable, *options, EXAMPLES / "servo" / "run.py"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None and process.stderr is not None
-        process.stdout.close()
-        assert process.stderr.read() == ""
-    assert process.returncode == 141
 
 
 def test_a_signal_stops_or_ends_the_program_and_handlers_are_restored() -> None:

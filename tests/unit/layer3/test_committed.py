@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -70,7 +71,7 @@ def test_a_refusal_names_all_that_a_commit_writes(fake: ModuleType, monkeypatch:
     assert refused.value.address == 0x884
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=many(60), deadline=None)
 @given(
     bursts=st.lists(
         st.dictionaries(st.integers(0x80, 0x86), st.integers(0, 99), min_size=1, max_size=3), max_size=12

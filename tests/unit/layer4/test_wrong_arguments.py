@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from effort import many
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -252,7 +253,7 @@ def tried(rig: Rig, name: str, junk: Any) -> None:
         raise AssertionError(f"{name} with {junk!r:.200}") from error
 
 
-@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=many(50), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(ANY)
 def test_only_errors_of_this_library_come_out(rig: Rig, junk: Any) -> None:
     for name in CALLS:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -55,7 +56,7 @@ def test_what_is_written_is_read(path: Path) -> None:
         assert read[number].time_s == pytest.approx(sample(number).time_s, abs=1e-6)
 
 
-@settings(max_examples=30)
+@settings(max_examples=many(30))
 @given(rows=st.lists(st.dictionaries(st.sampled_from(NAMES), NUMBERS, min_size=1), min_size=1, max_size=10))
 def test_numbers_come_back_as_they_were(rows: list[dict[str, Any]], folder: Path) -> None:
     for ending in (".mcap", ".csv"):

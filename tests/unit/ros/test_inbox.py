@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -37,7 +38,7 @@ class SlowGroup:
             raise LinkTimeout("no answer")
 
 
-@settings(max_examples=30)
+@settings(max_examples=many(30))
 @given(st.lists(st.dictionaries(st.sampled_from("abc"), st.integers(), min_size=1), min_size=1, max_size=20))
 def test_newest_wins_and_nothing_ages(messages: list[dict[str, int]]) -> None:
     group = SlowGroup("a", "b", "c")

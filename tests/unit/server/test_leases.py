@@ -2,6 +2,7 @@
 """The rule that matters: two clients never hold the same part, and a lost part is safe before it is given."""
 
 import pytest
+from effort import many
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
@@ -142,4 +143,4 @@ class Machine(RuleBasedStateMachine):
 
 
 TestLeases = Machine.TestCase
-TestLeases.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+TestLeases.settings = settings(max_examples=many(40), stateful_step_count=20, deadline=None)

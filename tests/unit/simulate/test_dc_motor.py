@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -129,7 +130,7 @@ def test_it_holds_when_friction_has_stopped_it() -> None:
     assert (motor.angle_rad, motor.speed_rad_s) == (at, 0.0)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=many(60), deadline=None)
 @given(data=MADE, load_share=st.floats(-0.9, 0.9), times=SIZES, parts=st.integers(2, 30))
 def test_one_long_step_is_as_many_short_ones(
     data: DcMotorData, load_share: float, times: float, parts: int
@@ -150,7 +151,7 @@ def with_friction(data: DcMotorData, share: float) -> DcMotorData:
     return replace(data, no_load_current_ma=1000 * share * data.stall_current_a)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=many(100), deadline=None)
 @given(
     data=st.builds(with_friction, MADE, st.floats(0.0, 0.9)),
     gear=st.builds(Gear, SIZES, st.floats(0.1, 1.0), st.sampled_from([0.0, 0.1, 3.0])),
@@ -304,7 +305,7 @@ def test_what_a_motor_cannot_do_is_refused_by_name() -> None:
     assert motor.angle_rad == motor.current_a == 0
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=many(80), deadline=None)
 @given(
     matrix=st.tuples(SIZES, SIZES, SIZES, st.one_of(st.just(0.0), SIZES)),
     start=st.tuples(st.floats(-9, 9), st.floats(-9, 9)),

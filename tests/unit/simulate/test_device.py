@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -37,7 +38,7 @@ noise = st.lists(
 ).map(b"".join)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=many(150), deadline=None)
 @given(noise, st.lists(st.integers(1, 9), min_size=1))
 def test_any_bytes_in_any_pieces(data: bytes, sizes: list[int]) -> None:
     whole, pieces = Device(QUIET), Device(QUIET)

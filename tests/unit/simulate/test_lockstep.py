@@ -280,8 +280,8 @@ def test_patience_is_counted_in_the_time_of_the_robot() -> None:
     with driven() as (link, board):
         begun_s = link.now_s()
         never = link.subscribe([0x10], on_event=True)
-        assert not never.wait(600.0)
-        assert link.now_s() - begun_s == pytest.approx(600.0, abs=1e-3)
+        assert not never.wait(120.0)
+        assert link.now_s() - begun_s == pytest.approx(120.0, abs=1e-3)
         board.hang_up()
         with pytest.raises(LinkClosed):
             link.read(0x10)

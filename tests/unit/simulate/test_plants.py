@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -121,7 +122,7 @@ def test_scara_holds_where_it_is_with_speed_zero_and_is_deterministic(scara: Spe
     assert runs[0][-1] == runs[0][-50]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=many(40), deadline=None)
 @given(
     st.sampled_from(JOINTS),
     st.lists(st.tuples(st.floats(-500, 500), st.floats(0, 2000)), min_size=1, max_size=5),

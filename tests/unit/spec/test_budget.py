@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,7 +37,7 @@ def device(*groups: tuple[int, int]) -> Device:
     return spec.devices[0]
 
 
-@settings(max_examples=15)
+@settings(max_examples=many(15))
 @given(words=st.integers(1, 40), data_bytes=st.integers(1, 4), checked=st.booleans())
 def test_bytes_are_those_on_the_wire(words: int, data_bytes: int, checked: bool) -> None:
     configuration = BoardConfiguration(data_bits=8 * data_bytes, group_size=64, groups=2)
@@ -90,7 +91,7 @@ def replayed(one: DeviceBudget, order: list[int], blocked_s: float) -> list[floa
     return worst
 
 
-@settings(max_examples=60)
+@settings(max_examples=many(60))
 @given(
     groups=st.lists(
         st.tuples(st.integers(1, 12), st.integers(1, 20)), min_size=1, max_size=4, unique_by=lambda g: g[1]

@@ -12,6 +12,7 @@ import re
 from pathlib import Path
 
 import pytest
+from effort import many
 from lark import Lark
 from lark.exceptions import UnexpectedInput
 
@@ -30,7 +31,7 @@ RIGHT = [
     *re.findall(r"```ul\n(.*?)```", PAGE, re.DOTALL),
     *(explain(code).mended for code in CODES if explain(code).mended),
 ]
-MUTATIONS = 1_200
+MUTATIONS = many(1_200)
 
 # Codes of form that no grammar of this kind can express. See the head of ul.lark.
 _LENGTHS_AND_PLACES = {"UL003", "UL009", "UL016", "UL017", "UL018", "UL019", "UL045"}
@@ -88,6 +89,7 @@ def test_wrong_examples_are_wrong_for_both(grammar: Lark) -> None:
         assert grammar_accepts(grammar, text) == (code in _LENGTHS_AND_PLACES), code
 
 
+@pytest.mark.many
 def test_mutations_are_judged_alike(grammar: Lark) -> None:
     chance = random.Random(2013)
     corpus = [tokens for text in RIGHT if (tokens := tokens_of(text)) and len(tokens) < 250]

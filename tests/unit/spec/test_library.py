@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -95,7 +96,7 @@ def test_a_constructor_of_the_spec_comes_before_the_library() -> None:
     st.integers(0, 5),
     st.integers(0, 60),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=many(200), deadline=None)
 def test_room_is_free_aligned_and_the_first(taken: list[tuple[int, int]], power: int, lowest: int) -> None:
     occupied = Occupied()
     used: set[int] = set()
@@ -145,3 +146,15 @@ def test_library_agrees_with_the_vhdl(name: str) -> None:
         default = re.search(rf'\b{generic} +:.*:= *("\w+"|[0-9_]+)', generics)
         written = f'"{value}"' if isinstance(value, str) else str(value)
         assert default is not None and default.group(1).replace("_", "") == written
+
+
+def test_a_second_compilation_looks_for_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search took most of the time of a short spec."""
+
+    def search(*_: object) -> None:
+        raise AssertionError("the library was searched again")
+
+    clean("public a() { @x = 0x1: READ(); }")
+    for name in ("stat", "iterdir", "glob"):
+        monkeypatch.setattr(Path, name, search)
+    clean("public a() { @x = 0x1: READ(); }")

@@ -11,6 +11,8 @@ import random
 import re
 from pathlib import Path
 
+import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -116,27 +118,27 @@ def words(text: str) -> list[str]:
 
 
 @given(st.text(max_size=200))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=many(200), deadline=None)
 def test_arbitrary_text(text: str) -> None:
     check(text)
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=many(100), deadline=None)
 def test_arbitrary_bytes(data: bytes) -> None:
     result = compile_text(data)
     assert result.spec is not None or result.diagnostics
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=60).map(" ".join))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=many(200), deadline=None)
 def test_arbitrary_words(text: str) -> None:
     check(text)
     check("public a(x): @ (y) { " + text)
 
 
 @given(st.integers(0, 2**32))
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=many(250), deadline=None)
 def test_mutated_specs(seed: int) -> None:
     check(mutated(seed, TEXTS))
 
@@ -188,7 +190,7 @@ def specs(draw: st.DrawFn) -> list[str]:
 
 
 @given(specs(), st.integers(0, 2**32))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=many(60), deadline=None)
 def test_generated_specs_compile_and_format(tokens: list[str], seed: int) -> None:
     chance = random.Random(seed)  # drawing each space from hypothesis takes longer than all the rest
     text = ""
@@ -205,7 +207,9 @@ def test_generated_specs_compile_and_format(tokens: list[str], seed: int) -> Non
     assert kept == [comment.strip() for comment in comments.findall(text)]
 
 
+@pytest.mark.many
 def test_every_prefix_ends_with_diagnostics_inside() -> None:
     for text in TEXTS:
-        for end in range(0, min(len(text), 1500), 23):
+        ends = range(0, min(len(text), 1500), 23)
+        for end in random.Random(len(text)).sample(ends, many(len(ends))):
             check(text[:end])

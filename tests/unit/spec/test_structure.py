@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from effort import many
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -70,7 +71,7 @@ def test_expressions(expression: str, value: int) -> None:
         max_leaves=20,
     )
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=many(60), deadline=None)
 def test_arithmetic_is_that_of_python(expression: str) -> None:
     wanted = eval(expression)  # safe: the test made this sum of small numbers
     text = f"const N = {expression};\npublic a() {{ @x[1+N*0] = 0x0: i64 WRITE(INITIAL=N % 1000000); }}"

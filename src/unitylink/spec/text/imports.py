@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -26,18 +27,21 @@ MAX_FILES = 200
 _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 
 
+@cache  # here and below: no file of the library comes or goes while a program runs, and a search takes 1 ms
 def component_names() -> tuple[str, ...]:
     """Return the names of the components."""
     folder = resource_folder("components")
     return tuple(sorted(one.name for one in folder.iterdir() if _described(one).is_file()))
 
 
-def device_files() -> dict[str, Path]:
+@cache
+def device_files() -> Mapping[str, Path]:
     """Return the file of each device of the library by its name.
 
     A device is a file `devices/NAME.ul` in the folder of the component whose entity it uses.
     """
-    return {one.stem: one for one in sorted(resource_folder("components").glob("*/devices/*.ul"))}
+    files = sorted(resource_folder("components").glob("*/devices/*.ul"))
+    return MappingProxyType({one.stem: one for one in files})
 
 
 def component_vhdl(entity: str) -> Path:

@@ -11,7 +11,7 @@ import threading
 
 import pytest
 
-from tests.unit.server.kill_rig import TARGET, TOKEN, KillRig, kill_rig
+from tests.programs.kill_rig import TARGET, TOKEN, KillRig, kill_rig
 from tests.unit.server.served import token_of
 from tests.unit.server.test_serving import until
 from unitylink import Link

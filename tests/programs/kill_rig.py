@@ -116,7 +116,7 @@ class Mother:
     """Starts servers quickly."""
 
     def __init__(self) -> None:
-        program = [sys.executable, "-m", "tests.unit.server.kill_rig"]
+        program = [sys.executable, "-m", "tests.programs.kill_rig"]
         self._process = subprocess.Popen(program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def start(self, board_url: str) -> tuple[int, str]:
