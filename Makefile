@@ -42,6 +42,8 @@
 #                SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
+#   make packages  packages of the wheel for Debian, conda and Homebrew, as far as they can be made here, in
+#                build/packages; lintian has to accept the first (URL=https://…: where the formula finds the sdist)
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a
 #                build of the sdist, all examples of the properties (TESTS=tests/ros: of these)
@@ -65,8 +67,8 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-learn demo-tosnet \
-	demo-ros demo-fleet test \
+.PHONY: experiments experiments-json develop sbom wheel packages demo extras demo-walker demo-pa10 demo-learn \
+	demo-tosnet demo-ros demo-fleet test \
 	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
 	fresh page demo-serve lerobot help
 help:
@@ -239,6 +241,11 @@ sbom: $(VENV)/.built
 wheel: $(VENV)/.built
 	@tools/setup.sh group wheel
 	@tools/wheel.sh
+
+packages: $(VENV)/.built
+	@for name in wheel packages; do tools/setup.sh group $$name || exit 1; done
+	@tools/setup.sh packages
+	URL='$(URL)' tools/packages.sh
 
 build: $(VENV)/.built
 native-tests: $(NATIVE)/.built

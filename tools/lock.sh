@@ -11,7 +11,7 @@ compile() {
   "$uv" pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-annotate --no-header "$@"
 }
 
-groups=(demo boards docs wheel browser test)
+groups=(demo boards docs wheel packages browser test)
 compile pyproject.toml --extra all --group build $(printf -- '--group %s ' "${groups[@]}") --upgrade -o "$every"
 compile pyproject.toml --group build -c "$every" -o "$locks/build.txt"        # with what the library itself wants
 for extra in all ros2; do compile pyproject.toml --extra "$extra" -c "$every" -o "$locks/$extra.txt"; done

@@ -13,6 +13,7 @@
 #   setup.sh coverage       Debian packages that count the executed lines of the gateware
 #   setup.sh page           Node.js, and the npm packages of the dashboard's page
 #   setup.sh browser        the Debian package of a browser, for the tests of that page
+#   setup.sh packages       Debian packages that make and check a package of Debian, and read a formula of Homebrew
 #   setup.sh doctest        the Debian package of the native tests' framework
 #   setup.sh native         the native tests, fuzzers and benches
 #   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
@@ -22,7 +23,7 @@ venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
   native | sanitized | ros2 | page) exec 9>"build/.lock-$1" ;;
-  rtl | ros | rust | system | boards | formal | coverage | doctest | browser) exec 9>build/.lock-system ;;
+  rtl | ros | rust | system | boards | formal | coverage | doctest | browser | packages) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
 flock 9
@@ -110,6 +111,15 @@ need_octave() {                           # compiles and runs generated classes 
   need "Octave's headers" octave-dev command -v mkoctfile
 }
 
+need_packages() {
+  need dpkg-buildpackage dpkg-dev command -v dpkg-buildpackage         # makes a package of Debian
+  need debhelper debhelper command -v dh
+  need dh-python dh-python command -v dh_python3
+  need "Debian's installer of wheels" python3-installer /usr/bin/python3 -c 'import installer'
+  need lintian lintian command -v lintian                              # what Debian asks of a package
+  need Ruby ruby command -v ruby                                       # reads the formula of Homebrew
+}
+
 need_doctest() {
   cxx=${CXX:-c++}
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
@@ -148,7 +158,7 @@ native() {
   touch -r "$folder.started" "$folder/.built"
 }
 
-steps="build|group|rtl|ros|ros2|rust|boards|formal|coverage|page|browser|system|doctest|native|sanitized"
+steps="build|group|rtl|ros|ros2|rust|boards|formal|coverage|page|browser|packages|system|doctest|native|sanitized"
 case "${1:?usage: setup.sh $steps}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
@@ -223,6 +233,10 @@ page)
   ;;
 browser)
   need_browser
+  install_missing
+  ;;
+packages)
+  need_packages
   install_missing
   ;;
 system)

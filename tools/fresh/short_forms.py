@@ -34,6 +34,7 @@ SHORT_FORMS = {
     "soak": "MESSAGES=200000",
     "mutants": "SAMPLE=3",
     "wheel": "",
+    "packages": "",
     "sbom": "",
     "build": "",
     "long": "TESTS=tests/gateware/test_own_core.py",
