@@ -21,6 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from ros.nodes import PATIENCE_S, RIG, generated_node, node_here, store, until
 
+from unitylink.errors import LinkNotFound
 from unitylink.generate import write
 from unitylink.ros import Topic, plan_interface
 from unitylink.ros.dds import DdsPlane
@@ -392,3 +393,20 @@ def test_wrong_parameters_are_said(tmp_path: Path) -> None:
             check=False,
         )
         assert done.returncode == 1 and says in done.stderr, done.stderr
+
+
+def test_security_without_its_plugins_is_an_error_that_names_the_configuration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """docs/ros.md says so: DDS Security is never left out in silence."""
+    parts = {
+        "Authentication": "<IdentityCertificate/><IdentityCA/><PrivateKey/>",
+        "Cryptographic": "",
+        "AccessControl": "<Governance/><PermissionsCA/><Permissions/>",
+    }
+    inside = "".join(f'<{one}><Library path="absent"/>{rest}</{one}>' for one, rest in parts.items())
+    monkeypatch.setenv(
+        "CYCLONEDDS_URI", f"<CycloneDDS><Domain><Security>{inside}</Security></Domain></CycloneDDS>"
+    )
+    with pytest.raises(LinkNotFound, match="CYCLONEDDS_URI"):
+        DdsPlane(plan_interface(load(RIG)), "rig", 201)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from unitylink.errors import LinkNotFound
 from unitylink.optional import absent
 
 from .cdr_plane import COMMANDS, NODE, CdrPlane, Matched
@@ -25,18 +26,23 @@ class DdsPlane(CdrPlane):
     `std_msgs::msg::dds_::Int32_`.
 
     If `domain` is None, it is ROS_DOMAIN_ID, or 0. CYCLONEDDS_URI configures the network, as it does for ROS
-    2. The participant is the node `name` for ROS 2.
+    2. The participant is the node `name` for ROS 2. Raises LinkNotFound if DDS does not start.
     """
 
     def __init__(self, interface: Interface, namespace: str, domain: int, name: str = NODE) -> None:
         try:
-            from cyclonedds.core import Policy, Qos
+            from cyclonedds.core import DDSException, Policy, Qos
             from cyclonedds.domain import DomainParticipant
         except ImportError:
             raise absent("cyclonedds", "ROS 2 over DDS") from None
         super().__init__(interface, namespace, "DDS")
         # by this mark, ROS 2 knows its participants
-        self._participant = DomainParticipant(domain, qos=Qos(Policy.Userdata(b"enclave=/;")))
+        try:
+            self._participant = DomainParticipant(domain, qos=Qos(Policy.Userdata(b"enclave=/;")))
+        except DDSException as error:
+            raise LinkNotFound(
+                f"DDS does not start in the domain {domain}: is CYCLONEDDS_URI right? {error.msg}"
+            ) from None
         self._here = Here()
         # A service, such as set_safe, is answered even if the thread of the topics hangs.
         self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)

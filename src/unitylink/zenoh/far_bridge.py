@@ -203,6 +203,8 @@ class FarBridge:
                 timeout=timeout_s,
                 priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.INTERACTIVE_HIGH,
                 express=True,
+                # the first answer is taken as it comes, and not when the bridge has said that it was the last
+                consolidation=zenoh.ConsolidationMode.NONE,
             )
             for reply in replies:
                 if reply.ok is not None:
