@@ -132,11 +132,14 @@ void Board::serve() {
   ::prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    if (endpoint_->admit(at_rest_)) {
-      ++statistics_.clients;
-      forget_output();
+    bool more = fed_ = false;
+    if (look_) {
+      if (endpoint_->admit(at_rest_)) {
+        ++statistics_.clients;
+        forget_output();
+      }
+      more = feed();
     }
-    const bool more = feed();
     const Clock now = clock_now();
     Clock target = now + lead_;
     if (fed_) {  // new input is processed at once, even if the device is already a little ahead
@@ -150,8 +153,9 @@ void Board::serve() {
     tell_due();
     if (stop_ || more || target < wanted || device_->next_event() <= target) {
       let_in(lock);
+      look_ = true;
     } else {
-      wait(lock);
+      look_ = wait(lock);
     }
   }
   end();
@@ -205,6 +209,7 @@ bool Board::feed() {
   fed_ = false;
   std::array<std::uint8_t, 4096> bytes;
   const std::size_t room = std::min(bytes.size(), device_->room());
+  full_ = room == 0;
   if ((endpoint_->client() < 0 && !endpoint_->has_client()) || room == 0) {
     return false;
   }
@@ -274,7 +279,9 @@ void Board::flush() {
   }
 }
 
-void Board::wait(std::unique_lock<std::mutex>& lock) {
+// Waits for the time of the next work, for the client and for wake(). False: only the time has come, so that the
+// endpoint need not be asked.
+bool Board::wait(std::unique_lock<std::mutex>& lock) {
   std::array<pollfd, 3> polled{};
   nfds_t count = 0;
   polled[count++] = {wake_, POLLIN, 0};
@@ -300,12 +307,13 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
     pause_ns = std::min(pause_ns, look_ns);
   }
   lock.unlock();
-  poll_for(std::span(polled).first(count), pause_ns == never ? for_ever : pause_ns);
+  const int ready = poll_for(std::span(polled).first(count), pause_ns == never ? for_ever : pause_ns);
   come_back(lock);
   if (polled[0].revents != 0) {
     std::uint64_t ignored = 0;
     [[maybe_unused]] const ssize_t cleared = ::read(wake_, &ignored, sizeof ignored);
   }
+  return ready != 0 || full_ || endpoint_->must_look() || endpoint_->ended();
 }
 
 std::string Board::url() {

@@ -129,7 +129,7 @@ class Board : private Lockstep::Member {
   [[nodiscard]] Clock in_time(Clock target);
   [[nodiscard]] Clock within_reach(Clock target) const noexcept;
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
-  void wait(std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] bool wait(std::unique_lock<std::mutex>& lock);
   bool feed();
   [[nodiscard]] bool gather();
   void flush();
@@ -153,6 +153,8 @@ class Board : private Lockstep::Member {
   std::size_t output_sent_ = 0;
   bool output_blocked_ = false;
   bool fed_ = false;              // the device has just got bytes
+  bool full_ = false;             // it had no room for more, so the endpoint may have kept some
+  bool look_ = true;              // the endpoint may have a new client, or bytes
   bool at_rest_ = true;           // the last byte sent ended a message
   std::uint64_t start_ns_ = 0;    // robot time
   std::uint64_t started_ns_ = 0;  // real time
