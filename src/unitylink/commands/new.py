@@ -13,9 +13,9 @@ from unitylink.optional import installation
 
 from .failure import Failure
 from .new_full import PROGRAMS, full_files
+from .template_names import check_names
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_OWN = frozenset({"run", "show", "step", "url", "link"})  # names that the project's own script uses
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -87,6 +87,7 @@ def _files(name: str) -> dict[str, str]:
         raise click.UsageError(f"'{name}' means something else in a spec; did you mean {name}_robot?")
     generated = generate_python(result.spec)
     classes = re.findall(r"^class (\w+)\(", generated[f"{name}.py"], re.M)  # the public class comes first
+    check_names(name, classes[0], _TEMPLATES.glob("*.py.txt"))
 
     def filled(template: str) -> str:
         return _template(template).replace("NAME", name).replace("CLASS", classes[0])
@@ -113,5 +114,5 @@ def _check_name(name: str) -> None:
         raise click.UsageError(
             f"'{name}' is not a valid name: use letters, digits and _, and begin with a letter{hint}"
         )
-    if module_name(name) != name or name in _OWN:
+    if module_name(name) != name or name == "run":
         raise click.UsageError(f"'{name}' means something else in Python; did you mean {name}_robot?")

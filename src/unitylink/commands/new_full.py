@@ -12,9 +12,11 @@ import click
 from unitylink import __version__
 from unitylink.resources import resource_folder
 
+from .template_names import check_names
+
 _TEMPLATES = Path(__file__).parent / "templates" / "full"
 _ARTEFACTS = ("python", "ros2", "html")
-_OWN = frozenset({"board", "build", "docs", "plant", "stepper", "tests"})  # folders, and names in the files
+_OWN = frozenset({"board", "build", "docs", "plant", "stepper", "tests"})  # folders
 _BOARD = "icebreaker"
 # file of the repository -> its template
 _FILES = {
@@ -52,6 +54,7 @@ def full_files(name: str) -> dict[str, str]:
         for artefact in _ARTEFACTS:
             generated |= generate(result.spec, artefact)
     classes = re.findall(r"^class (\w+)\(", generated[f"{name}.py"], re.M)  # the public class comes first
+    check_names(name, classes[0], _TEMPLATES.glob("*.py.txt"))
     filled = {
         file.replace("NAME", name): _template(template, name, classes[0]) for file, template in _FILES.items()
     }

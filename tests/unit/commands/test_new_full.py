@@ -46,7 +46,7 @@ def test_the_pins_of_the_readme_are_on_its_board(files: dict[str, str], tmp_path
     assert set(asked.values()) <= set(board.pins)
 
 
-@pytest.mark.parametrize("name", ["stepper", "plant", "tests", "build", "class", "my-rover", ""])
+@pytest.mark.parametrize("name", ["stepper", "plant", "tests", "build", "class", "x", "path", "my-rover", ""])
 def test_a_name_that_means_something_else_is_refused(name: str, tmp_path: Path) -> None:
     done = CliRunner().invoke(command, [name, "--full", "--dir", str(tmp_path / "rover")])
     assert done.exit_code == 2 and list(tmp_path.iterdir()) == []
