@@ -80,7 +80,7 @@ def measure_import(run: Run) -> Figure:
 
     environment = as_installed()
     details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
-    return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
+    return Figure("import", "import unitylink", 60, True, python("import unitylink"), "ms", details)
 
 
 def measure_version(run: Run) -> Figure:
