@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is proven about the fast engine of the framed protocol."""
+
+from __future__ import annotations
+
+from block import Block, Mutant
+
+# Signals of the transmitter that its property file sees.
+_TRANSMITTER = (
+    "bank", "whole", "complete", "puts", "ends", "drops", "writes", "kind_waits", "full", "read_bank",
+    "position", "zero", "write_index", "read_index", "read_next", "unsent", "written", "encoded", "crc",
+    "turn", "state",
+)  # fmt: skip
+
+FRAMED_BLOCKS = (
+    Block(
+        "frame_dispatcher",
+        "`framed/frame_dispatcher`",
+        depth=8,
+        deep=20,
+        pdr=True,
+        not_proven="that the program returns for work: with an answer it waits for room",
+        mutants=(
+            Mutant("frame_dispatcher.vhd", "publish = '1' and room = '1'", "publish = '1'"),
+            Mutant("frame_dispatcher.vhd", "frame_valid and says_nothing", "'0'"),
+            Mutant(
+                "frame_dispatcher.vhd",
+                "deadman and tripped = '1'",
+                "deadman and tripped = '1' and frame_valid = '0'",
+            ),
+            Mutant("frame_dispatcher.vhd", "receive_overran <= receive_overrun;", "receive_overran <= '1';"),
+            Mutant("frame_dispatcher.vhd", "asks and due and not begins", "asks and not begins"),
+            Mutant("frame_dispatcher.vhd", "elsif publish_overrun = '0' and begins", "elsif begins"),
+        ),
+    ),
+    Block(
+        "frame_receiver",
+        "`framed/frame_receiver`, requests of up to 2 bytes, a ring of 32, and any one frame",
+        depth=4,
+        deep=13,
+        induction=1,
+        given={"dut.records.read_data": "record_read"},
+        seen={
+            "present": "dut.present",
+            "delay": "dut.delay",
+            "kind_kept": "dut.kind",
+            "outside_kept": "dut.outside",
+            "in_cobs": "dut.in_cobs",
+            "coded_kept": "dut.coded",
+            "whole": "dut.whole",
+            "beyond": "dut.beyond",
+            "too_long": "dut.too_long",
+            "closed_before": "dut.closed",
+            "crc_kept": "dut.crc",
+            "run_kept": "dut.run",
+            "length_kept": "dut.length",
+            "record_in": "dut.record_in",
+            "write_index": "dut.records.write_index",
+            "read_index": "dut.records.read_index",
+            "is_full": "dut.records.full",
+            "loads": "dut.records.load",
+        },
+        not_proven="the bytes of the payload, and room in the ring: the benches compare with the reference",
+        mutants=(
+            Mutant("frame_receiver.vhd", "delay(1) /= check_byte(crc, 1) or ", ""),
+            Mutant("frame_receiver.vhd", "elsif coded = '0' or at_code = '0' or", "elsif coded = '0' or"),
+            Mutant(
+                "frame_receiver.vhd",
+                "elsif outside = '0' and and epoch(15 downto 8) = '1' then",
+                "elsif false then",
+            ),
+            Mutant("frame_receiver.vhd", "(7 downto 0 => kept)", "(7 downto 0 => '1')"),
+            Mutant("frame_receiver.vhd", "if length = request_max then", "if length = 255 then"),
+            Mutant("frame_receiver.vhd", "alive <= judged and not verdict(4);", "alive <= judged;"),
+            Mutant("frame_receiver.vhd", "whole <= and delay(2);", "whole <= '0';"),
+        ),
+    ),
+    Block(
+        "reply_cache",
+        "`framed/reply_cache`, a window of 2",
+        depth=6,
+        deep=12,
+        pdr=True,
+        seen={"entry": "dut.entry"},
+        not_proven="the bytes of kept replies, `order`, other windows: the bench tests them",
+        mutants=(
+            Mutant(
+                "reply_cache.vhd", "new_id   <= not ahead(15) and not same;", "new_id   <= not ahead(15);"
+            ),
+            Mutant("reply_cache.vhd", "repeated <= same and nand entry(8 downto 5);", "repeated <= same;"),
+            Mutant("reply_cache.vhd", "new_id   <= not ahead(15) and", "new_id   <="),
+        ),
+    ),
+    Block(
+        "frame_transmitter",
+        "`framed/frame_transmitter`, and any one place of its payloads",
+        depth=2,
+        deep=16,
+        induction=1,
+        given={"dut.looked": "looked"},
+        seen={"pending": "dut.data", "kind_kept": "dut.kind"}
+        | {name: f"dut.{name}" for name in _TRANSMITTER},
+        not_proven="that the program puts at most 254 bytes, and that a frame ends if tx_ready comes: the "
+        "benches test them",
+        mutants=(
+            Mutant(
+                "frame_transmitter.vhd",
+                "codes  <= ends or nor data;",
+                "codes  <= ends;",
+            ),
+            Mutant("frame_transmitter.vhd", "or (crc16_t'range => outside);", "or (crc16_t'range => '0');"),
+            Mutant("frame_transmitter.vhd", "if turn = 2 then", "if turn = 1 then"),
+            Mutant("frame_transmitter.vhd", "byte_t(position - zero);", "byte_t(position - zero + 1);"),
+            Mutant("frame_transmitter.vhd", "bank <= not bank;", "null;"),
+            Mutant("frame_transmitter.vhd", "if unsent = 1 then", "if unsent <= 2 then"),
+            Mutant(
+                "frame_transmitter.vhd", "tx_publish <= kind(4) and not outside;", "tx_publish <= kind(4);"
+            ),
+        ),
+    ),
+    Block(
+        "frame_sequencer",
+        "`framed/frame_sequencer`, a program of 256 different instructions",
+        depth=14,
+        induction=1,
+        seen={
+            "steps": "dut.step",
+            "fetches": "dut.fetches",
+            "fetched": "dut.fetched",
+            "position": "dut.position",
+        },
+        not_proven="what the program does: that is the proof of `frame_application`",
+        mutants=(
+            Mutant(
+                "frame_sequencer.vhd",
+                "fetches <= fresh or resting or (step",
+                "fetches <= fresh or (step",
+            ),
+            Mutant("frame_sequencer.vhd", "step    <= turn and is_last;", "step    <= turn;"),
+            Mutant("frame_sequencer.vhd", "(holds or now_done(do_begin)));", "now_done(do_begin));"),
+            Mutant(
+                "frame_sequencer.vhd", "waits   <= fresh and ((is_last", "waits   <= fresh and ((not is_last"
+            ),
+            Mutant(
+                "frame_sequencer.vhd",
+                "fetched <= program(to_integer(position));",
+                "fetched <= program(to_integer(position + 1));",
+            ),
+        ),
+    ),
+    Block(
+        "frame_application",
+        "`framed/frame_application` with its program, 8-bit address and data, dead-man, no lists and groups",
+        depth=0,
+        deep=6,
+        induction=3,
+        by_abc=True,
+        guided={"reply_ready": 1, "may_begin": 1, "receive_overrun": 0},
+        reach=56,
+        without=(
+            ("frame_application", "memory"),
+            ("frame_application", "cache"),
+            ("frame_application", "timer"),
+        ),
+        loose=("dut.pointer", "dut.epoch_now"),
+        given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
+        seen={
+            "instruction": "dut.instruction",
+            "finishes": "dut.finishes",
+            "jump": "dut.holds",
+            "begins": "dut.begins",
+            "steps": "dut.sequencer.step",
+            "fetches": "dut.sequencer.fetches",
+            "first_clock": "dut.judges",
+            "position": "dut.sequencer.position",
+            "choice": "dut.choice",
+            "caller": "dut.sequencer.caller",
+            "marks": "dut.marks",
+            "turns": "dut.sequencer.turns",
+            "sees_missing": "dut.judge.sees_missing",
+            "sees_not_new": "dut.judge.sees_not_new",
+            "sees_failed": "dut.judge.sees_failed",
+            "if_bytes": "dut.judge.if_bytes",
+            "if_bits": "dut.judge.if_bits",
+            "if_value": "dut.judge.if_value",
+            "if_above_low": "dut.judge.if_above_low",
+            "if_above_high": "dut.judge.if_above_high",
+            "if_place": "dut.judge.if_place",
+            "if_half": "dut.judge.if_half",
+            "if_state": "dut.judge.if_state",
+            "id": "dut.id",
+            "word_index": "dut.word_index",
+            "remember": "dut.remember",
+            "found": "dut.data",
+            "over": "dut.access_done",
+            "failed": "dut.failed",
+            "silent_bus": "dut.silent_bus",
+            "denied_write": "dut.denied_write",
+            "status_out": "dut.status_now",
+            "word": "dut.word",
+            "fresh": "dut.new_id",
+            "repeated": "dut.repeated",
+            "epoch_now": "dut.epoch_now",
+        },
+        not_proven="that a task ends; lists and groups; words of the memory, such as an epoch",
+        mutants=(
+            Mutant(
+                "frame_program_pkg.vhd",
+                "times(2) or act(do_read), if_not_new, not_new);",
+                "times(2) or act(do_read));",
+            ),
+            # A request that was executed is forgotten. One case went well, the other failed.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "act(do_place) or number(reply_status_ok_c) or act(do_done));",
+                "number(reply_status_ok_c) or act(do_done));",
+            ),
+            Mutant(
+                "frame_program_pkg.vhd",
+                "act(do_place) or number(status_of_data) or act(do_done));",
+                "number(status_of_data) or act(do_done));",
+            ),
+            # A repeated request gets no answer.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "put(p, also(load_kept), if_duplicate, duplicate);",
+                "put(p, also(load_kept));",
+            ),
+            # The epoch of a CLOSE ends while its answer is being sent.
+            Mutant(
+                "frame_program_pkg.vhd", "put(p, nothing_done, if_busy, close_wait);", "put(p, nothing_done);"
+            ),
+            # What is armed is not remembered.
+            Mutant(
+                "frame_state_pkg.vhd",
+                "put(p, also(clear_flags, flag_tripped));\n        go_to(p, write_ok);",
+                "put(p, also(clear_flags, flag_tripped));\n        go_to(p, denied);",
+            ),
+            # A HELLO makes the dead-man trip. A frame without a session makes `arm` work.
+            Mutant(
+                "frame_application.vhd", "trip => sets and number_now(0)", "trip => sets and number_now(4)"
+            ),
+            Mutant(
+                "frame_application.vhd",
+                "renew => clears and number_now(3)",
+                "renew => clears and number_now(5)",
+            ),
+            # A denied WRITE is taken for one that the bus refused.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "put(p, nothing_done, if_denied, write_denied);",
+                "put(p, nothing_done);",
+            ),
+            Mutant("frame_application.vhd", "request_done <= finishes and", "request_done <= does and"),
+            Mutant(
+                "frame_application.vhd",
+                "does     <= not waits and (reply_ready or not says) and",
+                "does     <= not waits and",
+            ),
+            Mutant(
+                "frame_application.vhd",
+                "reads     <= finishes and not holds and",
+                "reads     <= finishes and",
+            ),
+        ),
+    ),
+)
