@@ -26,6 +26,7 @@ settings.load_profile("untimed")
 gc.disable()
 
 ROOT = Path(__file__).resolve().parents[1]
+WHOLE_FILES = (ROOT / "tests" / "unit", ROOT / "tests" / "programs")
 SHORT_RUN_S = 300  # after a shorter run, the slowest files are not printed
 
 
@@ -75,6 +76,19 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
 def program() -> Callable[[str], Path]:
     """The path of a native bench program by its name."""
     return built
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Make each file of some folders a group, which runs in one worker.
+
+    What its tests share is imported, compiled and opened only there. Tests that share something with those of
+    another file keep their own group.
+    """
+    for item in items:
+        whole = any(item.path.is_relative_to(folder) for folder in WHOLE_FILES)
+        if whole and item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(str(item.path.relative_to(ROOT))))
 
 
 def pytest_collection_finish() -> None:

@@ -4,9 +4,6 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -81,25 +78,6 @@ def until(check: object) -> None:
             return
         time.sleep(0.005)
     raise AssertionError("it does not happen")
-
-
-def test_the_commands_serve_the_page(tmp_path: Path) -> None:
-    spec = tmp_path / "arm.ul"
-    spec.write_text(TEXT)
-    places = ["--listen", "127.0.0.1:0"]
-    serving = ["serve", f"sim:{spec}", str(spec), *places, "--page", "0"]
-    for arguments in serving, ["dashboard", f"sim:{spec}", *places]:
-        command = [sys.executable, "-m", "unitylink", *arguments, "--json"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-            assert running.stdout is not None and running.stderr is not None
-            told = json.loads(running.stdout.readline())
-            page = Page(None, None, None, [])  # type: ignore[arg-type]
-            page.host = (told.get("page") or told["url"]).partition("//")[2]
-            assert page.request("POST", "/login", {"token": told["token"]})[0] == 204
-            assert page.request("GET", "/")[0] == 200
-            running.send_signal(signal.SIGTERM)
-            assert running.wait(20) == 0, running.stderr.read()
-            assert "Traceback" not in running.stderr.read()
 
 
 @pytest.mark.parametrize(

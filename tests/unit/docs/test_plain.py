@@ -100,6 +100,17 @@ def f() -> None:
     The sixth comes after them.
     """
     # pragma: no sentence, although it has many words
+    print(
+        """an argument is no docstring, although it begins a line"""
+    )
+    if print:
+        x = """
+    nor is a text with a name"""
+
+
+class C:  # with a remark
+    # and another one
+    r"""Seventh, this is raw \\ text."""
 '''
 
 VHDL = """-- SPDX-License-Identifier: BSD-3-Clause
@@ -171,9 +182,12 @@ def test_the_sentences_of_python(tmp_path: Path) -> None:
         (4, "Then do the second one:"),
         (15, "Return nothing at all."),
         (24, "The sixth comes after them."),
+        (37, "Seventh, this is raw \\ text."),
         (9, "the third one, beside code"),
         (10, "The fourth goes over two lines."),
         (11, "Of the fifth this is all."),
+        (35, "with a remark"),
+        (36, "and another one"),
     ]
 
 

@@ -6,10 +6,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -344,25 +342,6 @@ def test_a_broker_that_dies_and_comes_back(tmp_path: Path, one: Served) -> None:
                 ana.until("other", "77")  # it has not changed, but the new broker does not know it
     finally:
         broker.end()
-
-
-def test_the_will_of_a_server_that_is_killed(broker: Mosquitto, tmp_path: Path) -> None:
-    spec = tmp_path / "arm.ul"
-    spec.write_text("public arm() { @a = 0x10: u16 READ(PUBLISH(50 Hz)); @b = 0x11: u16 READWRITE(); }")
-    (tmp_path / "password").write_text("secret\n")
-    url = f"mqtt://ana@127.0.0.1:{broker.port}"
-    options = ["--mqtt", url, "--mqtt-password-file", str(tmp_path / "password"), "--may", "mqtt", "write b"]
-    command = [sys.executable, "-m", "unitylink", "serve", f"sim:{spec}", str(spec), *options]
-    command += ["--listen", "127.0.0.1:0"]
-    with person(broker) as ana:
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-            ana.until("status", "online")
-            ana.say("b/set", "17")
-            ana.until("b", "17")
-            running.send_signal(signal.SIGKILL)
-            said, errors = running.communicate(timeout=20)
-            assert "at a broker:  mqtt://127.0.0.1" in said and "Traceback" not in errors
-        ana.until("status", "offline")
 
 
 def test_a_broker_that_reads_nothing_holds_nobody_up(one: Served) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import json
 import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -116,25 +114,6 @@ def test_numbers_for_plots_and_words_for_people() -> None:
     assert kinds["mode"] == {"type": "string"} and kinds["flags"]["properties"]["hot"] == {"type": "boolean"}
     part = Topic("/arm/100_hz", values, 100.0).view(Rights.of(["read speed", "read mode"]))
     assert part is not None and part.paths == ("mode", "speed") and part.plain(row) == ("run", "nan")
-
-
-def test_the_command_streams(tmp_path: Path, receiver: socket.socket) -> None:
-    spec = tmp_path / "arm.ul"
-    spec.write_text(
-        "public arm() { @a = 0x10: u16 READ(PUBLISH(50 Hz)); @b = 0x11: u16 READ(PUBLISH(50 Hz)); }"
-    )
-    to = f"127.0.0.1:{receiver.getsockname()[1]}"
-    places = ["--listen", "127.0.0.1:0", "--plotjuggler", to, "--may", "plotjuggler", "read a"]
-    command = [sys.executable, "-m", "unitylink", "serve", f"sim:{spec}", str(spec), *places]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-        try:
-            receiver.settimeout(60)
-            assert packet(receiver)["arm"].keys() == {"a"}
-        finally:
-            running.terminate()
-        said, errors = running.communicate(timeout=20)
-    assert f"to PlotJuggler:  udp {to}" in said and running.returncode == 0
-    assert "Traceback" not in errors
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from unitylink.spec import compile_file, compile_text, format_text
 from unitylink_lab.bench.figure import BenchError
 from unitylink_lab.bench.language_client import LanguageClient
 
-SCARA = (Path(__file__).parents[3] / "examples" / "scara" / "scara.ul").read_text("utf-8")
+SCARA = (Path(__file__).parents[2] / "examples" / "scara" / "scara.ul").read_text("utf-8")
 URI = "file:///robots/scara.ul"
 
 
@@ -187,7 +187,7 @@ def test_outline(client: LanguageClient) -> None:
     assert [(one["name"], len(one["children"])) for one in found] == [("scara", 4), ("joint", 4)]
 
 
-ARM = (Path(__file__).parents[1] / "generate" / "rich" / "arm.ul").read_text("utf-8")
+ARM = (Path(__file__).parents[1] / "unit" / "generate" / "rich" / "arm.ul").read_text("utf-8")
 
 
 def test_names_of_types_constants_and_values(client: LanguageClient) -> None:
