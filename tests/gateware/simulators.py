@@ -126,6 +126,15 @@ class Ghdl:
         return called([self.executable, *arguments], self.work)
 
 
+class PatientGhdl(Ghdl):
+    """For VHDL that changes and runs for long. It takes a second more to start, and then half the time."""
+
+    def _prepare(self) -> None:
+        self.executable = executable("ghdl-gcc", "ghdl-gcc")
+        with locked():
+            self.make = ["-m", *optimised_ieee(self.executable), "-O1"]
+
+
 class CountingGhdl(Ghdl):
     """Its programs count how often each line is executed (tools/coverage.py)."""
 
