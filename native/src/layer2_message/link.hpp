@@ -221,8 +221,7 @@ class Link {
   [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses,
                                         std::span<const std::uint32_t> values, const RequestOptions& how);
   void submit(Call& call);
-  // Gives a call up. Its requests are not sent any more, and not sent again. Those in flight end as usual, so the call
-  // is done soon.
+  // Gives a call up. Nothing of it is sent any more. What is in flight ends as usual, so the call is done soon.
   void withdraw(Call& call);
   [[nodiscard]] Outcome result(const Call& call);
 
@@ -263,8 +262,9 @@ class Link {
   bool attend(int other, std::uint64_t until_ns, bool looking);
   // Lets other threads read. Call it before any other method of the link that waits for an answer.
   void leave();
-  // Gives a queued request up, as withdraw() does.
-  void withdraw(Exchange& exchange);
+  // As leave(), and waits for `other`. Whoever asks then reads his answer himself, and need not be woken.
+  bool rest(int other, std::uint64_t until_ns);
+  void withdraw(Exchange& exchange);  // gives a queued request up
   // From now on `tap` gets the publishes of a framed link instead of drain(). nullptr: as before.
   void tap_publishes(PublishTap* tap);
 

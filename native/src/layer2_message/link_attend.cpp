@@ -74,6 +74,15 @@ void Link::leave() {
   idle_.notify_all();
 }
 
+bool Link::rest(int other, std::uint64_t until_ns) {
+  leave();
+  start_reader();  // it notices a line that is lost while nobody calls
+  pollfd waiting{other, POLLIN, 0};
+  static_cast<void>(poll_for(std::span(&waiting, 1), until_ns - std::min(until_ns, now_ns())));
+  const std::scoped_lock lock(mutex_);
+  return !engine_->ended() && line_ == Line::up;
+}
+
 void Link::withdraw(Exchange& exchange) {
   const std::scoped_lock lock(mutex_);
   if (!exchange.done()) {

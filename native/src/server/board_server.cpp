@@ -145,13 +145,16 @@ void BoardServer::run() {
   Link& link = upstream_.link();
   while (!ending_) {
     bool looking = false;
+    bool resting = false;
     std::uint64_t until_ns = 0;
     {
       const std::scoped_lock lock(mutex_);
       looking = upstream_.under_way() > 0;
+      // While nobody is here, threads of this program that use the link read their answers themselves.
+      resting = clients_.empty() && admitted_.empty() && !looking && !trip_wanted_ && !link.in_steps();
       until_ns = due_ns();
     }
-    const bool up = link.attend(epoll_.get(), until_ns, looking);
+    const bool up = resting ? link.rest(epoll_.get(), until_ns) : link.attend(epoll_.get(), until_ns, looking);
     const std::scoped_lock lock(mutex_);
     turn(up);
   }

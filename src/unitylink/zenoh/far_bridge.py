@@ -25,7 +25,20 @@ from unitylink.errors import (
 
 from .failures import decode_failure
 from .far_clock import FarClock
-from .messages import CLOCK, DO, LEAVE, ONCE, VISIT, Answer, Operation, Request, decode_answer
+from .messages import (
+    ATOMIC,
+    CHECKED,
+    CLOCK,
+    DO,
+    LEAVE,
+    ONCE,
+    UNCHECKED,
+    VISIT,
+    Answer,
+    Operation,
+    Request,
+    decode_answer,
+)
 
 if TYPE_CHECKING:
     import zenoh
@@ -397,7 +410,5 @@ def _read_hello(data: bytes) -> dict[str, Any]:
 
 def flags_of(checked: bool | None, once: bool, atomic: bool) -> int:
     """Return the flags of a request."""
-    from .messages import ATOMIC, CHECKED, UNCHECKED
-
-    told = {None: 0, True: CHECKED, False: UNCHECKED}[checked]
+    told = 0 if checked is None else CHECKED if checked else UNCHECKED
     return told | (ONCE if once else 0) | (ATOMIC if atomic else 0)

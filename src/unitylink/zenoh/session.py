@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 ROUTER = "tcp/127.0.0.1:7447"
 LEASE_MS = 800  # a peer that is silent for so long is gone
 _BURST = 16  # set-points, at most: each goes alone, and one for which there is no room is dropped
+_OPEN_MS = 2000  # TCP would wait up to 8 s between two attempts, and not notice that the way is whole again
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
 
@@ -51,7 +52,8 @@ class Network:
             "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
             "transport/link/tx/queue/size/interactive_high": _BURST,
             "transport/shared_memory/enabled": False,
-            "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
+            "transport/unicast/open_timeout": _OPEN_MS,
+            "connect/retry": {"period_init_ms": 100, "period_max_ms": 250, "period_increase_factor": 1.5},
         }
         if self.config:
             return settings if not self.connect else {**settings, "connect/endpoints": [_sized(self.connect)]}

@@ -45,6 +45,21 @@ def test_a_board_that_is_lost_and_comes_back(one: Served, tmp_path: Path) -> Non
         assert one.board.registers[0x1A] == 4
 
 
+def test_a_board_that_is_lost_while_nobody_is_connected(one: Served) -> None:
+    """The thread of the server rests then, and the link of this program has to notice by itself."""
+    with one.link() as ana:
+        ana.write(0x1A, 1)
+    link, _, _ = one.robot.share()
+    until(lambda: one.robot.connected == 0)
+    assert link.read(0x1A) == 1
+    one.board.hang_up()
+    until(lambda: link.statistics().reconnections == 1)
+    until(lambda: quiet(link))
+    with one.link() as eva:
+        eva.write(0x1A, 2)
+        assert link.read(0x1A) == 2
+
+
 def quiet(link: Link) -> bool:
     try:
         link.read(0x50)
