@@ -47,7 +47,7 @@
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a
 #                build of the sdist, all examples of the properties (TESTS=tests/ros: of these)
-#   make unit    the Python tests that need no board process, in about two minutes
+#   make unit    the Python tests that hardly start a program, in about a minute
 #   make native-tests   the C++ tests alone
 #   make clean   removes build/ and .venv/
 #   make fresh   runs each target of this list in its short form, each in a new clone with an empty home and empty
