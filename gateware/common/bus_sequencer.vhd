@@ -66,24 +66,36 @@ architecture rtl of bus_sequencer is
   constant stamp_index  : natural  := 4;
   constant first_output : positive := stamp_index + 1 + values;
   constant words        : positive := first_output + outputs;
-  constant rom          : program_t(0 to 255) := program_of(program);
   constant all_bytes    : std_ulogic_vector(lanes - 1 downto 0) := (others => '1');
 
   subtype index_t is unsigned(4 downto 0);
   subtype word_t is std_ulogic_vector(31 downto 0);
   type outputs_t is array (0 to 7) of word_t;
+  type rom_t is array (255 downto 0) of program_word_t; -- GHDL inverts the address of an index that rises
+
+  function rom_of (words : program_t(0 to 255)) return rom_t is
+    variable rom : rom_t;
+  begin
+    for number in words'range loop
+      rom(number) := words(number);
+    end loop;
+    return rom;
+  end function;
+
+  constant rom : rom_t := rom_of(program_of(program));
 
   -- The bus.
   signal asked, ack, err, enable : std_ulogic;
-  signal stored, side, status    : word_t := (others => '0'); -- the word of a sample, and one that is none
+  signal stored       : word_t; -- the word of a sample; no initial value, for which an iCE40 would take a mux
+  signal side, status : word_t := (others => '0'); -- a word that is none of a sample
   signal given       : outputs_t := (others => (others => '0'));
   signal told        : std_ulogic_vector(7 downto 0) := (others => '0'); -- the output was written
 
   -- The program.
   type state_t is (fetching, loading, running, exchanging);
   signal state      : state_t;
-  signal pc         : unsigned(7 downto 0) := (others => '0');
-  signal fetched    : program_word_t := (others => '0'); -- in the block RAM's register
+  signal pc, next_pc : unsigned(7 downto 0) := (others => '0');
+  signal fetched    : program_word_t; -- in the block RAM's register, which has no initial value
   signal word       : program_word_t := (others => '0'); -- in one of its own, which is faster to read
   signal operation  : std_ulogic_vector(2 downto 0);
   signal is_byte    : std_ulogic;
@@ -96,24 +108,26 @@ architecture rtl of bus_sequencer is
   signal reason     : failure_t := "00";
   signal code       : byte_t := (others => '0'); -- of the last refusal
   signal failures   : unsigned(15 downto 0) := (others => '0');
-  signal in_a_row   : unsigned(3 downto 0);
+  signal in_a_row   : unsigned(bits_for(failures_most) - 1 downto 0);
 
-  signal operates, waits, halts, starts, stamps, ends, commits, readies     : std_ulogic;
+  signal operates, waits, halts, starts, stamps, ends, commits, readies, jumps : std_ulogic;
   signal fails, too_many, anew, passes, skips, steps, answered, differs, keeps, ends_value : std_ulogic;
 
   -- Times.
   signal tick_phase : unsigned(tick_bits downto 0); -- its highest bit is a tick each us
   signal tick       : std_ulogic;
-  signal timer      : unsigned(7 downto 0) := (others => '0'); -- in us, or in 256 us
+  signal timer, next_timer : unsigned(7 downto 0) := (others => '0'); -- in us, or in 256 us
   signal expired    : std_ulogic;
   signal part       : unsigned(7 downto 0) := (others => '0'); -- of a step of the timer
+  signal next_part  : unsigned(8 downto 0); -- the highest bit is the carry
   signal coarse     : std_ulogic := '0';
   signal age        : unsigned(19 downto 0);
+  signal next_age   : unsigned(20 downto 0); -- the same
   signal now        : unsigned(31 downto 0) := (others => '0');
 
   -- The values: two banks.
   signal bank       : std_ulogic := '0'; -- is read
-  signal pointer    : index_t := (others => '0');
+  signal pointer    : index_t := to_unsigned(stamp_index, index_t'length); -- a sample begins with its stamp
   signal put_at     : unsigned(5 downto 0);
   signal got_at     : unsigned(5 downto 0);
   signal put_word   : word_t;
@@ -161,7 +175,7 @@ begin
   stamps     <= operates and not failing when operation = operation_sample else '0';
   keeps      <= answered and word(10) and not is_output;
   ends_value <= keeps and word(0) when word(11) = '1' else keeps and nor word(9 downto 8);
-  put_at <= (not bank) & to_unsigned(stamp_index, 5) when stamps = '1' else (not bank) & pointer;
+  put_at <= (not bank) & pointer;
   got_at <= bank & unsigned(wishbone_m2s.adr(index_t'range));
 
   put_word <= std_ulogic_vector(now) when stamps = '1' else reply.data & reply.data & reply.data & reply.data;
@@ -272,6 +286,15 @@ begin
   skips    <= operates when operation = operation_skip and outputs > 0 else '0';
   steps    <= answered or passes or stamps or starts or (waits and failing) or (readies and not failing) or skips;
 
+  jumps    <= commits or fails or (skips and not told(to_integer(unsigned(word(10 downto 8)))));
+
+  -- pc + 1 and timer - 1. The sums have what loads the counter as an operand, which says nothing while it counts. So
+  -- counting and loading share a cell of an iCE40, whose LUT has the operands of its carry as inputs.
+  next_pc    <= pc - unsigned'(7 downto 0 => not jumps);
+  next_timer <= timer + unsigned'(7 downto 0 => not starts);
+  next_part  <= ('0' & part) + 1;
+  next_age   <= ('0' & age) + 1;
+
   run : process (clock) is
   begin
     if rising_edge(clock) then
@@ -280,10 +303,10 @@ begin
 
       if reset = '1' or anew = '1' then
         pc <= (others => '0');
-      elsif commits = '1' or fails = '1' or (skips and not told(to_integer(unsigned(word(10 downto 8))))) = '1' then
+      elsif jumps = '1' then
         pc <= unsigned(word(7 downto 0));
       elsif steps = '1' then
-        pc <= pc + 1;
+        pc <= next_pc;
       end if;
 
       if reset = '1' or anew = '1' or commits = '1' or fails = '1' or steps = '1' then
@@ -342,9 +365,9 @@ begin
         bank <= not bank;
       end if;
 
-      if stamps = '1' then
-        pointer <= to_unsigned(stamp_index + 1, 5);
-      elsif ends_value = '1' then
+      if ends = '1' or readies = '1' then
+        pointer <= to_unsigned(stamp_index, index_t'length);
+      elsif stamps = '1' or ends_value = '1' then
         pointer <= pointer + 1;
       end if;
     end if;
@@ -359,20 +382,20 @@ begin
       if starts = '1' then
         timer  <= unsigned(word(7 downto 0));
         coarse <= word(10);
-      elsif tick = '1' and expired = '0' and (coarse = '0' or part = 255) then
-        timer <= timer - 1;
+      elsif tick = '1' and expired = '0' and (coarse = '0' or next_part(8) = '1') then
+        timer <= next_timer;
       end if;
 
       if starts = '1' then
         part <= (others => '0');
       elsif tick = '1' then
-        part <= part + 1;
+        part <= next_part(part'range);
       end if;
 
       if reset = '1' or commits = '1' then
         age <= (others => '0');
-      elsif tick = '1' and (and age) = '0' then
-        age <= age + 1;
+      elsif tick = '1' and next_age(age'length) = '0' then
+        age <= next_age(age'range);
       end if;
 
       if reset = '1' then

@@ -36,7 +36,7 @@ architecture test of bus_sequencer_tb is
 
   type bytes_t is array (0 to 6) of byte_t;
   signal replies : bytes_t := (others => x"00"); -- of the frame that ended
-  signal no_answer, wrong : natural := 0;
+  signal no_answer, wrong, failures : natural := 0;
 
 begin
 
@@ -82,20 +82,31 @@ begin
     end loop;
   end process;
 
+  count : process (clock) is
+  begin
+    if rising_edge(clock) and failed = '1' then
+      failures <= failures + 1;
+    end if;
+  end process;
+
   play : process is
     variable random   : random_t;
     variable answer   : bus_answer_t;
     variable samples  : natural := 0;
-    variable failures : natural := 0;
   begin
     random.seed(seed);
     wait_clocks(clock, 4);
     reset <= '0';
     while samples < 200 loop
+      if random.chance(10) then -- a reset behind a byte, often of a sample
+        wait until rising_edge(clock) and reply.done = '1' and reply.failed = '0' and reply.data /= x"3D" for 1 ms;
+        reset <= '1';
+        wait_clocks(clock, 1);
+        reset <= '0';
+      end if;
       wait until rising_edge(clock) and (sampled = '1' or failed = '1') for 1 ms;
       check(sampled = '1' or failed = '1', "a sample or a failure");
       if failed = '1' then
-        failures := failures + 1;
         wait for 1 us;
         check_equal(failures, no_answer + wrong, "failures");
         bus_expect(clock, m2s, s2m, 2, std_ulogic_vector(to_unsigned(failures, 32)));
