@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 _LOOK_S = 1.0  # how long to look for the board
 _CLOCK_S = 0.5  # how often its clock is asked, and whether it still knows this client
+_HELLOS = 3  # before it is asked whether this client may read
 _PAUSE_S = 0.02  # before a bridge is asked again that was not there
 
 
@@ -261,12 +262,14 @@ class FarBridge:
         name = "-".join(filter(None, (self.options.name, secrets.token_hex(8))))
         token = self.session.liveliness().declare_token(self.keys.client(name))
         hello = json.dumps({"client": name}).encode()
-        asked_ns = time.monotonic_ns()
-        answer = self.once(self.keys.fixed("hello"), hello, _LOOK_S)
-        if answer is None and time.monotonic_ns() - asked_ns < _LOOK_S * 5e8:
-            # Nobody answers at once: the network does not let us write. Perhaps it lets us read.
+        # If nobody answers at once, the network does not let us write. Perhaps it lets us read. But a bridge
+        # that has just come back may be seen before its keys are, so it is asked several times.
+        for key in (*["hello"] * _HELLOS, "hello_read"):
             asked_ns = time.monotonic_ns()
-            answer = self.once(self.keys.fixed("hello_read"), hello, _LOOK_S)
+            answer = self.once(self.keys.fixed(key), hello, _LOOK_S)
+            if answer is not None or time.monotonic_ns() - asked_ns >= _LOOK_S * 5e8:
+                break
+            time.sleep(_PAUSE_S)
         heard_ns = time.monotonic_ns()
         try:
             if not isinstance(answer, bytes):
@@ -335,9 +338,8 @@ class FarBridge:
                 if self.trouble:  # another robot of the name has gone
                     self._tell("")
                 answer = self._ask_clock()
-                if isinstance(
-                    answer, UnityLinkError
-                ):  # both were off the network, and the board looks the same
+                if isinstance(answer, UnityLinkError):
+                    # Both were off the network. To this side, the board looks as if nothing had been.
                     greeted = self._greet_again(f"the visit has ended: {answer}")
                 elif not answer:
                     found = self._tokens()  # a token that went unnoticed

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
-from .rig import free_port
+from unit.zenoh.rig import free_port
 
 _ROUTER = """
 import sys
@@ -70,6 +70,7 @@ class Router:
             _ip("-n", _NAME, "link", "set", "net", "up" if through else "down")
         else:
             self._process.send_signal(signal.SIGCONT if through else signal.SIGSTOP)
+            os.waitid(os.P_PID, self._process.pid, os.WCONTINUED if through else os.WSTOPPED)
 
 
 @contextmanager

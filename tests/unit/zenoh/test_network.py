@@ -385,21 +385,6 @@ def test_a_board_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     until(lambda: rows)
 
 
-def test_a_client_that_the_bridge_has_lost_says_hello_again(stack: ExitStack, rig: Rig) -> None:
-    """If both were cut off from their router, the board looks the same to the client all the time."""
-    link = opened(stack, rig)
-    (visit,) = rig.bridge._guests.visits.all()
-    rig.bridge._guests.leave(visit)
-    with pytest.raises(LinkDown, match="say hello again"):
-        link.read(ANGLE)
-    until(lambda: rig.bridge.state()["clients"])
-    assert link.wait_up(3) and link.read(ANGLE) == 250
-    (visit,) = rig.bridge._guests.visits.all()
-    rig.bridge._guests.leave(visit)
-    until(lambda: rig.bridge.state()["clients"])  # also without a request
-    until(lambda: link.statistics().reconnections == 2)
-
-
 def test_a_bridge_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     """It is the router, too. Nothing that was meant for the old one is executed by the new one."""
     link = opened(stack, rig, "&timeout=0.2")

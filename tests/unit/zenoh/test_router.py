@@ -8,14 +8,13 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from unit.zenoh.elsewhere import PLACE, router
+from unit.zenoh.rig import ANGLE, STAMP, rigged, until
 
 from unitylink import connect
 from unitylink.errors import LinkDown, LinkTimeout
 from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.session import Network
-
-from .elsewhere import PLACE, router
-from .rig import ANGLE, STAMP, rigged, until
 
 CUT_S = 1.5
 
@@ -32,13 +31,17 @@ def test_a_router_in_a_place_of_its_own(tmp_path: Path, place: str) -> None:
             assert isinstance(link, ZenohLink)
             assert link.read(ANGLE) == 250
             stamps = link.set_points("stamp", ttl_s=0.2)
-            stamps.send(1)
-            until(lambda: rig.board.registers[STAMP] == 1)
+
+            def written(stamp: int) -> bool:
+                with suppress(LinkDown):  # on a busy machine, a stamp may be too late, or the client lost
+                    stamps.send(stamp)
+                return bool(rig.board.registers[STAMP] == stamp)
+
+            until(lambda: written(1))
             far.let(False)
             cut_s = time.monotonic()
             while time.monotonic() < cut_s + CUT_S:
-                with suppress(LinkDown):
-                    stamps.send(2)
+                written(2)
                 time.sleep(0.05)
             assert rig.oracle.seen[-1][1] in (1, 0), "0: the client was taken for lost, so the board is safe"
             far.let(True)
@@ -50,5 +53,4 @@ def test_a_router_in_a_place_of_its_own(tmp_path: Path, place: str) -> None:
 
             until(read, 30)
             assert 2 not in {value for _, value in rig.oracle.seen}, "nothing old was executed"
-            link.set_points("stamp", ttl_s=5.0).send(3)
-            until(lambda: rig.board.registers[STAMP] == 3)
+            until(lambda: written(3))
