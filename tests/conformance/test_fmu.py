@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +105,103 @@ def test_each_kind_of_value_and_what_is_refused(version: str, steps: dict[str, P
             with pytest.raises(fmpy.fmi1.FMICallException):
                 simulated(link__url=board.url, count=0.5)
             assert said == ["this variable takes whole numbers of 64 bits"]
+        simulated(link__url=board.url, big=(1 << 64) - (1 << 40))
+        assert [board.registers[address] for address in PLACES["big"]] == [0, 0xFFFFFF00]
     with pytest.raises(fmpy.fmi1.FMICallException):
         simulated(link__url="tcp://127.0.0.1:1")
     assert said[0].startswith("tcp://127.0.0.1:1: nothing listens there")
+
+
+class Unit:
+    """A unit as an importer has it, call by call."""
+
+    def __init__(self, made: Path, folder: Path, told: list[str]) -> None:
+        self.told = told  # of all units: for FMI 2.0, FMPy has one log
+        self.described = fmpy.read_model_description(str(made))
+        self.variables = {one.name: one for one in self.described.modelVariables}
+        self.inner = fmpy.instantiate_fmu(
+            fmpy.extract(str(made), str(folder)),
+            self.described,
+            "CoSimulation",
+            logger=lambda *said: told.append(said[-1].decode()),
+        )
+
+    def get(self, name: str) -> Any:
+        variable = self.variables[name]
+        return getattr(self.inner, f"get{variable.type}")([variable.valueReference])[0]
+
+    def set(self, name: str, value: Any) -> None:
+        variable = self.variables[name]
+        getattr(self.inner, f"set{variable.type}")([variable.valueReference], [value])
+
+    def start(self, url: str, time_s: float = 0.0) -> None:
+        self.set("link.paced", False)
+        self.set("link.url", url)
+        if self.described.fmiVersion == "2.0":
+            self.inner.setupExperiment(startTime=time_s)
+            self.inner.enterInitializationMode()
+        else:
+            self.inner.enterInitializationMode(startTime=time_s)
+
+    def refused(self, why: str, function: Callable[..., Any], *given: Any) -> None:
+        self.told.clear()
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            function(*given)
+        assert why in self.told[-1]
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_the_life_of_a_unit(version: str, steps: dict[str, Path], tmp_path: Path) -> None:
+    told: list[str] = []
+    unit, other = (Unit(steps[version], tmp_path / name, told) for name in ("one", "two"))
+
+    step = unit.inner.doStep
+
+    def as_described() -> bool:
+        given = [one for one in unit.variables.values() if one.causality in ("input", "parameter")]
+        url = unit.get("link.url")
+        numbers = {one.name: float(unit.get(one.name)) for one in given if one.type != "String"}
+        starts = {one.name: {"true": "1", "false": "0"}.get(one.start, one.start) for one in given}
+        assert starts.pop("link.url") == (url if isinstance(url, str) else url.decode())
+        return numbers == {name: float(text) for name, text in starts.items()}
+
+    assert as_described()
+    unit.refused("a step before the initialization", step, 0.0, 0.1)
+    unit.refused("the initialization has not begun", unit.inner.exitInitializationMode)
+    with (
+        Board(load(STEPS), endpoint="tcp", plant=Still()) as board,
+        Board(load(STEPS), endpoint="tcp", plant=Still()) as second,
+    ):
+        unit.refused("the start is no number", unit.start, board.url, math.nan)
+        unit.start(board.url, 1.0)
+        unit.refused("the link is open", unit.set, "link.url", board.url)
+        unit.refused("it is initialized already", unit.inner.enterInitializationMode)
+        unit.refused("a step before the initialization", step, 1.0, 0.1)
+        unit.inner.exitInitializationMode()
+        for size_s in (0.0, -0.1, math.nan, math.inf):
+            unit.refused("a step takes more than 0 s", step, 1.0, size_s)
+        unit.set("small", -7)
+        step(1.0, 0.1)
+        unit.refused("this step has been made", step, 1.0, 0.1)
+        assert board.registers[0x31] == 0xF9 and unit.get("time") == pytest.approx(1.1)
+        other.start(second.url)
+        other.inner.exitInitializationMode()
+        unit.inner.terminate()
+        assert unit.get("limit") == 42
+        unit.refused("after the end", step, 1.1, 0.1)
+        unit.inner.reset()
+        assert as_described()
+        unit.start(board.url)
+        unit.inner.exitInitializationMode()
+        board.registers[0x31] = 3
+        step(0.0, 0.1)
+        other.inner.doStep(0.0, 0.1)  # two instances know nothing of each other
+        assert board.registers[0x31] == 3, "what was set before the reset is forgotten"
+    unit.refused("the link is closed", step, 0.1, 0.1)
+    with Board(load(STEPS), endpoint="tcp", plant=Still()) as board:
+        unit.inner.reset()
+        unit.start(board.url)
+        unit.inner.exitInitializationMode()
+        step(0.0, 0.1)
+    for one in (unit, other):
+        one.inner.freeInstance()

@@ -32,7 +32,8 @@ _FIRST_URL = 2  # the references of fmi3.c: 0 is the time, 1 whether it is paced
 # How a raw number is read -> type of the variable, and its mark in model.h.
 _TYPES = {"REAL": ("Float64", "r"), "SCALED": ("Float64", "r"), "BOOL": ("Boolean", "b")}
 _WHOLE, _WIDE = ("Int64", "i"), ("Int64", "w")  # `w` does not fit in the 32 bits of an Integer of FMI 2.0
-_TYPES_2 = {"r": "Real", "b": "Boolean", "i": "Integer", "w": "Real"}
+_LONG = ("UInt64", "u")  # nor in an Int64
+_TYPES_2 = {"r": "Real", "b": "Boolean", "i": "Integer", "w": "Real", "u": "Real"}
 _INT32_MAX = (1 << 31) - 1
 _INT64_MAX = (1 << 63) - 1
 
@@ -86,15 +87,18 @@ def _unit(spec: Spec, root: Instance, header: str, robot: RobotPlan) -> dict[str
         place for place, one in enumerate(facts.elements) if facts.sampled(one) and not facts.commanded(one)
     ]
     marks = ["-"] * len(facts.elements)
+    starts = [0] * len(facts.elements)
     variables = []
     for place in sorted((*inputs, *outputs)):
         element = facts.elements[place]
         quantity = Quantity.of(element)
         codec = Codec(element.path, quantity, facts.data_bits(element), commanded=True)
-        whole = _WIDE if codec.high > _INT32_MAX or codec.low < ~_INT32_MAX else _WHOLE
-        kind, mark = _TYPES.get(kind_of(element.type, quantity), whole)
+        given = facts.commanded(element)
+        kind, mark = _TYPES.get(kind_of(element.type, quantity)) or _whole(codec, given=given)
         marks[place] = mark
-        variables.append(_variable(element, codec, first + place, kind, mark, given=place in set(inputs)))
+        starts[place] = _start(element, codec) if given else 0
+        start = _text(starts[place], codec, kind) if given else ""
+        variables.append(_variable(element, codec, first + place, kind, mark, start=start))
     taken = {element.path for element in facts.elements}
     one = len(robot.links) == 1
     urls = [
@@ -121,6 +125,7 @@ def _unit(spec: Spec, root: Instance, header: str, robot: RobotPlan) -> dict[str
         "opens": f"{robot.plan.name}_open" if one else f"{robot.plan.name}_open_links",
         "links": len(robot.links),
         "types": "".join(marks),
+        "starts": [f"0x{raw:X}" for raw in starts],
         "words": sum(element.words for element in facts.elements),
         "inputs": inputs,
         "outputs": outputs,
@@ -143,24 +148,35 @@ def _marked(path: Path) -> str:
 
 
 def _variable(
-    element: Element, codec: Codec, reference: int, kind: str, mark: str, *, given: bool
+    element: Element, codec: Codec, reference: int, kind: str, mark: str, *, start: str
 ) -> Variable:
     ranged = element.type.numeric and kind != "Boolean"
     low, high = (_end(end, kind) if ranged else None for end in (codec.minimum, codec.maximum))
     described = ": ".join(dict.fromkeys(filter(None, (element.display, element.documentation))))
     unit = element.unit if kind == "Float64" else ""
-    start = _start(element, codec, kind) if given else ""
-    return Variable(element.path, reference, kind, _TYPES_2[mark], given, unit, low, high, start, described)
+    return Variable(
+        element.path, reference, kind, _TYPES_2[mark], start != "", unit, low, high, start, described
+    )
 
 
-def _start(element: Element, codec: Codec, kind: str) -> str:
-    """Return INITIAL, or else what is nearest to 0 and may be written."""
+def _whole(codec: Codec, *, given: bool) -> tuple[str, str]:
+    """Return the type of a whole number, and its mark. A device may hold numbers beyond the limits."""
+    low, high = (codec.low, codec.high) if given else (-codec.sign, codec.mask ^ codec.sign)
+    if high > _INT64_MAX:
+        return _LONG
+    return _WIDE if high > _INT32_MAX or low < ~_INT32_MAX else _WHOLE
+
+
+def _start(element: Element, codec: Codec) -> int:
+    """Return the raw number of INITIAL, or else of what is nearest to 0 and may be written."""
     if element.initial is not None:
-        raw = codec.encode(element.initial)
-    elif element.type.enum is not None:
-        raw = element.type.enum.values[0].value
-    else:
-        raw = codec.encode(min(max(0, codec.minimum), codec.maximum)) if element.type.numeric else 0
+        return codec.encode(element.initial)
+    if element.type.enum is not None:
+        return element.type.enum.values[0].value
+    return codec.encode(min(max(0, codec.minimum), codec.maximum)) if element.type.numeric else 0
+
+
+def _text(raw: int, codec: Codec, kind: str) -> str:
     if kind == "Boolean":
         return "true" if raw & 1 else "false"
     if kind == "Float64":
@@ -169,8 +185,8 @@ def _start(element: Element, codec: Codec, kind: str) -> str:
 
 
 def _end(end: float, kind: str) -> str | None:
-    if kind == "Int64":
-        return str(min(int(end), _INT64_MAX))
+    if kind != "Float64":
+        return str(int(end))
     return repr(float(end)) if math.isfinite(end) else None
 
 

@@ -83,36 +83,54 @@ EXPORT fmi2Status fmi2Terminate(fmi2Component component) {
 
 EXPORT fmi2Status fmi2Reset(fmi2Component component) {
   unit_forget(component);
+  ((fmi2_unit*)component)->start_s = 0.0;
   return fmi2OK;
 }
 
 /* ---- its variables */
 
 static bool get_real(unit* self, fmi2ValueReference reference, fmi2Real* value) {
-  if (unit_type(reference) != 'w') return unit_get_real(self, reference, value);
+  const char type = unit_type(reference);
+  uint64_t large = 0;
   int64_t whole = 0;
+  if (type == 'u') {
+    if (!unit_get_unsigned(self, reference, &large)) return false;
+    *value = (double)large;
+    return true;
+  }
+  if (type != 'w') return unit_get_real(self, reference, value);
   if (!unit_get_whole(self, reference, &whole)) return false;
   *value = (double)whole;
   return true;
 }
 
 static bool set_real(unit* self, fmi2ValueReference reference, fmi2Real value) {
-  if (unit_type(reference) != 'w') return unit_set_real(self, reference, value);
-  if (!(value >= -0x1p63 && value < 0x1p63) || value != (double)(int64_t)value)
+  const char type = unit_type(reference);
+  if (type != 'w' && type != 'u') return unit_set_real(self, reference, value);
+  const double low = type == 'u' ? 0.0 : -0x1p63, end = type == 'u' ? 0x1p64 : 0x1p63;
+  if (!(value >= low && value < end) || value != nearbyint(value))
     return failed(self, "this variable takes whole numbers of 64 bits");
-  return unit_set_whole(self, reference, (int64_t)value);
+  return type == 'u' ? unit_set_unsigned(self, reference, (uint64_t)value)
+                     : unit_set_whole(self, reference, (int64_t)value);
+}
+
+static bool wide(unit* self, fmi2ValueReference reference) {
+  const char type = unit_type(reference);
+  if (type != 'w' && type != 'u') return false;
+  failed(self, "this variable has more than 32 bits, and is a Real");
+  return true;
 }
 
 static bool get_integer(unit* self, fmi2ValueReference reference, fmi2Integer* value) {
   int64_t whole = 0;
-  if (unit_type(reference) == 'w') return failed(self, "this variable has more than 32 bits, and is a Real");
+  if (wide(self, reference)) return false;
   if (!unit_get_whole(self, reference, &whole)) return false;
   *value = (fmi2Integer)whole;
   return true;
 }
 
 static bool set_integer(unit* self, fmi2ValueReference reference, fmi2Integer value) {
-  if (unit_type(reference) == 'w') return failed(self, "this variable has more than 32 bits, and is a Real");
+  if (wide(self, reference)) return false;
   return unit_set_whole(self, reference, value);
 }
 

@@ -112,5 +112,6 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* a
   }
 VALUES(Float64, real)
 VALUES(Int64, whole)
+VALUES(UInt64, unsigned)
 VALUES(Boolean, bool)
 VALUES(String, text)

@@ -23,7 +23,6 @@ NO_VALUES(Int16)
 NO_VALUES(UInt16)
 NO_VALUES(Int32)
 NO_VALUES(UInt32)
-NO_VALUES(UInt64)
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-parameter"

@@ -14,10 +14,18 @@ static bool not_done(const unit* self) { return failed(self, self->robot.robot.f
 
 static ul_objects* objects(unit* self) { return &self->robot.robot.objects; }
 
-void unit_make(unit* self, void (*tell)(const unit* self, const char* why)) {
+static void begin_anew(unit* self) {
+  memset(self->urls, 0, sizeof self->urls);
   snprintf(self->urls[0], URL_ROOM, "%s", MODEL_URL);
+  for (uint32_t i = 0; i < MODEL_VALUES; ++i) self->raws[i] = model_starts[i];
+  memset(self->given, 0, sizeof self->given);
   self->paced = true;
+  self->time_s = 0.0;
+}
+
+void unit_make(unit* self, void (*tell)(const unit* self, const char* why)) {
   self->tell = tell;
+  begin_anew(self);
 }
 
 void unit_close(unit* self) {
@@ -25,12 +33,12 @@ void unit_close(unit* self) {
     if (i == 0 || self->links[i] != self->links[0]) ul_free(self->links[i]);
     self->links[i] = NULL;
   }
-  self->open = false;
+  self->open = self->begun = false;
 }
 
 void unit_forget(unit* self) {
   unit_close(self);
-  memset(self->given, 0, sizeof self->given);
+  begin_anew(self);
 }
 
 /* A link without a URL is the first one. */
@@ -89,24 +97,32 @@ static double now_s(void) {
 
 static void sleep_until(double time_s) {
   for (double left_s = time_s - now_s(); left_s > 0; left_s = time_s - now_s()) {
-    struct timespec pause = {(time_t)left_s, (long)(1e9 * (left_s - (double)(time_t)left_s))};
+    const double pause_s = fmin(left_s, 3600.0); /* a step of any length fits */
+    struct timespec pause = {(time_t)pause_s, (long)(1e9 * (pause_s - (double)(time_t)pause_s))};
     nanosleep(&pause, NULL);
   }
 }
 
 bool unit_open(unit* self, double start_s) {
+  if (self->open) return failed(self, "it is initialized already; reset it first");
+  if (!isfinite(start_s)) return failed(self, "the time of the start is no number");
   self->time_s = start_s;
-  return open_links(self) && read_outputs(self);
+  if (open_links(self) && read_outputs(self)) return true;
+  unit_close(self);
+  return false;
 }
 
 bool unit_begin(unit* self) {
-  const bool written = write_inputs(self);
+  if (!self->open) return failed(self, "the initialization has not begun, or has failed");
+  if (!write_inputs(self)) return false;
   self->begun_s = now_s() - self->time_s;
-  return written;
+  return self->begun = true;
 }
 
 bool unit_step(unit* self, double at_s, double step_s) {
-  if (!self->open) return failed(self, "a step before the initialization, or after the end");
+  if (!self->begun) return failed(self, "a step before the initialization, or after the end");
+  if (!(step_s > 0.0) || !isfinite(at_s + step_s)) return failed(self, "a step takes more than 0 s, and ends");
+  if (at_s + step_s <= self->time_s) return failed(self, "a robot cannot go back in time: this step has been made");
   if (!write_inputs(self)) return false;
   self->time_s = at_s + step_s;
   if (self->paced) sleep_until(self->begun_s + self->time_s);

@@ -63,6 +63,23 @@ bool unit_set_whole(unit* self, uint32_t reference, int64_t value) {
   return given(self, place, ul_encode_unsigned(facts, (uint64_t)value, raw, failure));
 }
 
+bool unit_get_unsigned(unit* self, uint32_t reference, uint64_t* value) {
+  const int place = place_of(self, reference, "u");
+  if (place < 0) return false;
+  *value = self->raws[place] & ul_mask(facts_of(place)->width);
+  return true;
+}
+
+bool unit_set_unsigned(unit* self, uint32_t reference, uint64_t value) {
+  const int place = place_of(self, reference, "u");
+  if (place < 0) return false;
+  const ul_value* facts = facts_of(place);
+  ul_failure* failure = &self->robot.robot.failure;
+  if (facts->kind == UL_KIND_ENUM)
+    return given(self, place, ul_encode_member(facts, value, &self->raws[place], failure));
+  return given(self, place, ul_encode_unsigned(facts, value, &self->raws[place], failure));
+}
+
 bool unit_get_bool(unit* self, uint32_t reference, bool* value) {
   if (reference == PACED) {
     *value = self->paced;
