@@ -12,13 +12,14 @@ from functools import partial
 from typing import Generic, TypeVar
 from weakref import finalize
 
-from unitylink.errors import ValueRangeError, shown
+from unitylink.errors import LinkClosed, ValueRangeError, shown
 
 logger = logging.getLogger("unitylink.publishing")
 
 T = TypeVar("T")
 
 STREAM_LIMIT = 65_536  # publishes that are kept for an `async for` that is too slow
+CLOSED_HERE = "closed by this program"  # in the message of a request
 ALIVE_CHECK_S = 0.2  # how soon an `async for` notices the end
 
 
@@ -129,19 +130,21 @@ class Listeners(Generic[T]):
         for publish in self._publish:
             try:
                 publish(time_s, value)
-            except Exception:
-                self._report(publish)
+            except Exception as error:
+                self._report(publish, error)
         if self._change and value != self.previous:
             for change in self._change:
                 try:
                     change(value)
-                except Exception:
-                    self._report(change)
+                except Exception as error:
+                    self._report(change, error)
         self.previous = value
 
     def _check(self, callback: object) -> None:
         if not callable(callback):
             raise ValueRangeError(f"{self._item}: {shown(callback)} is not a function")
 
-    def _report(self, callback: object) -> None:
+    def _report(self, callback: object, error: Exception) -> None:
+        if isinstance(error, LinkClosed) and CLOSED_HERE in error.message:
+            return  # the end of a program, which came while the callback used the link
         logger.exception("%s: the callback %r raised; publishing goes on", self._item, callback)

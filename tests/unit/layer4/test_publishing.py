@@ -13,10 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from unitylink import connect
 from unitylink.errors import DeviceMismatch, LinkClosed, LinkTimeout, ValueRangeError
 from unitylink.layer3_hardware import MemoryProxy
 from unitylink.layer4_data import Publisher, ReadValue, Recording, ValueGroup
 from unitylink.layer4_data.publishing import plan
+from unitylink.simulate import Board
 from unitylink.spec.model import Publish
 
 
@@ -127,6 +129,31 @@ def test_callbacks_that_raise_are_reported(fake: ModuleType, caplog: pytest.LogC
     take_back()
     link.publish()
     assert seen == [0, 0]
+
+
+def test_a_link_that_its_program_closes_under_a_callback_is_no_news(
+    fake: ModuleType, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A program ends while a callback writes. That of a line that is lost is news."""
+    with Board() as board:
+        real = connect(board.url)
+        real.close()
+        with pytest.raises(LinkClosed) as ours:
+            real.write(0, 1)
+    link = fake.FakeLink()
+    (value,) = values(MemoryProxy(link), Publisher(), [(1, 10)])
+    raised: list[LinkClosed] = [ours.value.with_item("motor.duty")]
+
+    def write(*_: object) -> None:
+        raise raised[0]
+
+    value.on_publish(write)
+    value.on_change(write)
+    link.publish()
+    assert caplog.text == ""
+    raised[0] = LinkClosed("the other side closed the connection")
+    link.publish()
+    assert caplog.text.count("v0: the callback") == 1
 
 
 def test_values_without_publish_need_a_rate(fake: ModuleType) -> None:
