@@ -66,7 +66,8 @@ def difference(old: str, new: str) -> str:
         is_now.write_text(ungrown(old, new), encoding="utf-8")
         command = ["abidiff", "--no-added-syms", "--harmless", str(was), str(is_now)]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
-    return done.stdout + done.stderr if done.returncode else ""
+    told = (done.stdout + done.stderr).strip() or f"abidiff says nothing, and ends with {done.returncode}"
+    return told if done.returncode else ""
 
 
 def main() -> int:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -60,6 +61,13 @@ def test_what_may_change(name: str) -> None:
     old, told = EDITS[name]
     difference = abi.difference(old, released())
     assert told in difference and bool(told) == bool(difference)
+
+
+def test_a_comparison_that_breaks_off_is_no_pass(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "abidiff").write_text("#!/bin/sh\nkill -9 $$\n", encoding="utf-8")
+    (tmp_path / "abidiff").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    assert "ends with -9" in abi.difference(released(), released())
 
 
 def test_this_library_serves_programs_of_the_last_release() -> None:

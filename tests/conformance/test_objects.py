@@ -72,6 +72,28 @@ def test_nothing_is_allocated_and_no_lock_is_held_in_a_wait(probe: Path) -> None
     assert all(200 <= counted[name][2] <= 250 for name in ("read", "write", "cycle")), counted
 
 
+# What the library takes from the C library. What is new is counted by system_calls.hpp, or listed.
+NO_CALLS = """
+_ITM_deregisterTMCloneTable _ITM_registerTMCloneTable _Unwind_Resume free freeaddrinfo gai_strerror getenv
+inet_pton memchr memcmp memcpy memmove memset pthread_self snprintf strcmp strerror strlen vsnprintf
+"""
+ONLY_TO_OPEN_AND_CLOSE = """
+access close connect dlclose dlopen dlsym eventfd fcntl flock fstat ftruncate getaddrinfo getpid getsockopt
+ioctl isatty lseek mmap munmap open realpath setsockopt shutdown socket socketpair stat sysconf unlink
+"""
+
+
+def test_each_system_call_of_the_library_is_counted(library: Path) -> None:
+    """A function that system_calls.hpp does not replace could wait under a lock, and nobody would see it."""
+    command = ["nm", "-D", "--undefined-only", str(library / "libunitylink.so")]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    names = {line.split()[-1].partition("@")[0] for line in listed.splitlines()}
+    taken = {name for name in names if not name.startswith(("_Z", "__"))}
+    counted = re.findall(r"UL_BEHIND\((\w+)\);", (HERE / "system_calls.hpp").read_text("utf-8"))
+    assert taken - {*counted} - {*NO_CALLS.split(), *ONLY_TO_OPEN_AND_CLOSE.split()} == set()
+    assert {"send", "poll", "nanosleep"} <= taken & {*counted}
+
+
 def test_errors_name_the_item_and_the_remedy(probe: Path) -> None:
     board = Board(load(HERE / "steps.ul"), endpoint="tcp", plant=Still())
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}

@@ -7,7 +7,9 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -76,6 +78,16 @@ int ppoll(pollfd* waiting, nfds_t count, const timespec* timeout, const sigset_t
   UL_BEHIND(ppoll);
   system_calls::made(timeout == nullptr || timeout->tv_sec != 0 || timeout->tv_nsec != 0);
   return behind(waiting, count, timeout, mask);
+}
+int nanosleep(const timespec* pause, timespec* left) {
+  UL_BEHIND(nanosleep);
+  system_calls::made(true);
+  return behind(pause, left);
+}
+int sched_yield() noexcept {
+  UL_BEHIND(sched_yield);
+  system_calls::made(true);
+  return behind();
 }
 int poll(pollfd* waiting, nfds_t count, int timeout_ms) {
   UL_BEHIND(poll);
