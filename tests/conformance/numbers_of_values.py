@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import subprocess
 from collections.abc import Callable, Iterator
@@ -15,7 +16,10 @@ from unitylink.values import Codec, Quantity
 
 
 def quantities(chance: random.Random) -> Iterator[str]:
-    """Yield the words of random values in a spec."""
+    """Yield the words of values in a spec: those with each end of their limits, and random ones."""
+    for type_ in ("u8", "u64", "i16", "i64"):
+        for facts in ("MIN=3", "MAX=90", "MIN=3, MAX=90", "MIN=3, MAX=90, OVERFLOW=saturate"):
+            yield f"{type_} WRITE({facts})"
     for _ in range(120):
         width = chance.choice([1, 2, 7, 8, 15, 16, 31, 32, 33, 53, 63, 64])
         kind = chance.choice(["u", "u", "i", "i", "f", "fixed"])
@@ -72,6 +76,8 @@ def compare_numbers(
                 value if chance.random() < 0.5 else chance.choice([codec.minimum, codec.maximum, 0, 7, 1e30])
             )
             number = int(near) + chance.randint(-2, 2) if whole else float(near) * chance.uniform(0.9, 1.1)
+            if not whole and chance.random() < 0.05:
+                number = chance.choice([math.nan, math.inf, -math.inf])
             if whole and not (0 if codec.type.kind == "uint" else -(1 << 63)) <= number < 1 << 63:
                 continue  # no whole number of 64 bits
             asked.append(f"e {index} {number if whole else written(number)}")

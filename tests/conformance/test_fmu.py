@@ -189,6 +189,7 @@ def test_the_life_of_a_unit(version: str, steps: dict[str, Path], tmp_path: Path
         unit.inner.terminate()
         assert unit.get("limit") == 42
         unit.refused("after the end", step, 1.1, 0.1)
+        unit.set("small", 9)
         unit.inner.reset()
         assert as_described()
         unit.start(board.url)
