@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from block import Block
+from sweep import SWEPT
 
 from unitylink.gateware import gateware_sources, property_sources
 from unitylink.gateware import ghdl as ghdl_module
@@ -26,6 +27,7 @@ _ASKS = (  # the files that make the models and ask the solvers
     *(Path(str(module.__file__)) for module in (ghdl_module, repairs_module)),
 )
 _ASKS_LARGE = _HERE / "large.py"  # for blocks that set one of these fields
+_ASKS_SWEPT = _HERE / "sweep.py"  # for the blocks that it names
 _LARGE = ("by_abc", "guided")
 _WORDS_ONLY = ("what", "not_proven", "quick")  # fields of a row that change no question
 
@@ -65,7 +67,8 @@ def _python(path: Path) -> str:
 
 
 def _asks(block: Block) -> tuple[Path, ...]:
-    return (*_ASKS, _ASKS_LARGE) if _is_large(block) else _ASKS
+    asks = (*_ASKS, _ASKS_LARGE) if _is_large(block) else _ASKS
+    return (*asks, _ASKS_SWEPT) if block.name in SWEPT else asks
 
 
 def _is_large(block: Block) -> bool:

@@ -178,4 +178,41 @@ SENSOR_BLOCKS = (
             Mutant("pulse_counter_words.vhd", "if reads = '0' then", "if reads = '0' and second = '1' then"),
         ),
     ),
+    Block(
+        "encoder_bank",
+        "`components/encoder_bank`, two channels, words of 12 bits, samples in each round",
+        depth=0,
+        deep=6,
+        pdr=True,
+        reach=20,
+        seen={
+            "clocks": "dut.count",
+            "begins": "dut.starting",
+            "shut": "dut.closed",
+            "old": "dut.whole",
+            "for_bus": "dut.shown",
+            "near": "dut.pins.first",
+            "seen": "dut.settled",
+            "taken": "dut.sample",
+            "now_are": "dut.levels",
+            "thaws": "dut.thawed",
+            "acks": "dut.ack",
+            "errs": "dut.err",
+            **{
+                name: f"dut.{name}"
+                for name in ("bank", "known", "sum", "fault_sum", "newest", "place", "put", "found")
+            },
+        },
+        not_proven="more channels; samples that are rounds apart; a master that gives an access up",
+        mutants=(
+            Mutant("encoder_bank.vhd", "(now(0) xor was(1))", "(now(0) xor now(1))"),
+            Mutant("encoder_bank.vhd", "bank <= bank xor shown;", "bank <= not bank;"),
+            Mutant("encoder_bank.vhd", "(thawed or (done and last))", "thawed"),
+            Mutant("encoder_bank.vhd", "samples = '1' and sample(line) = before(line)", "samples = '1'"),
+            Mutant(
+                "encoder_bank.vhd", "second = '1' and\n                        channel = turn", "second = '1'"
+            ),
+            Mutant("encoder_bank.vhd", "if hit = '1' and is_faults = '0' then", "if hit = '1' then"),
+        ),
+    ),
 )
