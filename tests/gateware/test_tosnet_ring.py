@@ -112,7 +112,12 @@ def test_a_node_of_another_spec_is_refused_by_its_id(ghdl: Any, other_spec: int)
 
 @pytest.mark.parametrize(
     "options",
-    [{"rings": 2}, {"rings": 2, "talkative": True, "hand_overs": 1}, {"rings": 1, "hand_overs": 0}],
+    [
+        {"rings": 2, "hand_overs": 3},
+        pytest.param({"rings": 2}, marks=pytest.mark.long),  # with eight of them
+        {"rings": 2, "talkative": True, "hand_overs": 1},
+        {"rings": 1, "hand_overs": 0},
+    ],
 )
 def test_no_command_reaches_a_node_of_another_spec_that_has_come(ghdl: Any, options: dict[str, Any]) -> None:
     ghdl.run("tosnet_spec_tb", **options)
