@@ -192,9 +192,9 @@ def test_the_life_of_a_unit(version: str, steps: dict[str, Path], tmp_path: Path
         unit.set("small", 9)
         unit.inner.reset()
         assert as_described()
+        board.registers[0x31] = 3
         unit.start(board.url)
         unit.inner.exitInitializationMode()
-        board.registers[0x31] = 3
         step(0.0, 0.1)
         other.inner.doStep(0.0, 0.1)  # two instances know nothing of each other
         assert board.registers[0x31] == 3, "what was set before the reset is forgotten"

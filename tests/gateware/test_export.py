@@ -21,9 +21,9 @@ EXAMPLE = ROOT / "examples" / "hello_led" / "hello_led.ul"
 TWO = """
 link lab.two;
 link left (DATA=32);
-link right (DATA=32);
+link left_arm (DATA=32);
 public one(c) { MEMORY(CTRL=c, COMM=c, LINK=left); @a = 0x0: WRITE(); }
-public other(c) { MEMORY(CTRL=c, COMM=c, LINK=right); @b = 0x0: READ(); }
+public one_arm(c) { MEMORY(CTRL=c, COMM=c, LINK=left_arm); @b = 0x0: READ(); }
 """
 
 
@@ -90,11 +90,14 @@ def test_each_board_of_a_spec_has_a_core(tmp_path: Path, capsys: pytest.CaptureF
     assert main(["gateware", str(tmp_path / "two.ul"), "--export", str(tmp_path / "hdl")]) == 0
     cores = re.findall(r"wrote .*/(\w+)\.core", capsys.readouterr().out)
     assert len(cores) == 3 and "unitylink" in cores
+    listed: list[str] = []
     for name in set(cores) - {"unitylink"}:
         core = (tmp_path / "hdl" / f"{name}.core").read_text("utf-8")
         files = re.findall(r"- (vhdl/.*)", core)
         assert f"vhdl/{name}_top.vhd" in files
-        assert all((tmp_path / "hdl" / file).is_file() for file in files)
+        listed += files
+    made = [f"vhdl/{path.name}" for path in (tmp_path / "hdl" / "vhdl").iterdir()]
+    assert sorted(listed) == sorted(made), "each file is of one board"
 
 
 def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -67,9 +67,13 @@ def _designs(spec_file: str, version: str) -> dict[str, bytes]:
     spec = load(spec_file)
     vhdl = {name: text for name, text in generate(spec, "vhdl").items() if name.endswith(".vhd")}
     made = {name: text.encode() for name, text in vhdl.items()}
-    for top in (Path(name).stem for name in vhdl if name.endswith("_top.vhd")):
-        board = top.removesuffix("_top")
-        sources = [name for name in vhdl if Path(name).stem.startswith(f"{board}_")]
+    boards = [Path(name).stem.removesuffix("_top") for name in vhdl if name.endswith("_top.vhd")]
+
+    def board_of(name: str) -> str:  # arm_left_top.vhd is of arm_left, and not of arm
+        return max((one for one in boards if Path(name).stem.startswith(f"{one}_")), key=len, default="")
+
+    for board in boards:
+        sources = [name for name in vhdl if board_of(name) == board]
         description = json.dumps(f"The design of {Path(spec_file).name}")
         made[f"{board}.core"] = design_core(board, version, sources, description).encode()
     return made
