@@ -45,3 +45,13 @@ def test_its_first_ci_run_passes_and_a_fault_of_the_vhdl_fails(run: Run, tmp_pat
     vhdl.write_text(vhdl.read_text("utf-8").replace("position - 1", "position - 2"), encoding="utf-8")
     failed = ci_run(folder)
     assert failed.returncode != 0 and "expected" in failed.stdout + failed.stderr
+
+
+def test_its_program_runs_on_the_twin_whatever_its_folder_is_called(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "R&D, 100%20"
+    made = run("new", "rover", "--full", "--dir", str(folder))
+    assert made.returncode == 0, made.stderr
+    done = subprocess.run(
+        [sys.executable, folder / "run.py"], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.stdout.splitlines()[-1:] == ["x is at 90 deg"], done.stderr
