@@ -112,4 +112,44 @@ LOOP_BLOCKS = (
             Mutant("motion_profile.vhd", "speed <= speed - ramp;", "speed <= speed - ramp - 1;"),
         ),
     ),
+    Block(
+        "position_compare",
+        "`components/position_compare`, pulses of 3 clocks, any positions, places and steps",
+        depth=0,
+        deep=5,
+        induction=3,
+        by_abc=True,
+        reach=12,
+        seen={
+            "words": "dut.write_words",
+            **{
+                name: f"dut.{name}"
+                for name in (
+                    "written",
+                    "at",
+                    "count",
+                    "past",
+                    "valid",
+                    "fresh",
+                    "armed",
+                    "pulse",
+                    "left",
+                    "above",
+                    "is_active",
+                )
+            },
+        },
+        not_proven="other lengths of pulses; a line that rests high; what the bus reads: the bench has them",
+        mutants=(
+            Mutant("position_compare.vhd", "armed <= or step;", "armed <= '1';"),
+            Mutant("position_compare.vhd", "past and armed and not level", "(past or armed) and not level"),
+            Mutant("position_compare.vhd", "fresh and not written(0);", "fresh;"),
+            Mutant("position_compare.vhd", "left  <= pulse_clocks - 1;", "left  <= pulse_clocks - 2;"),
+            Mutant("position_compare.vhd", "(not at & not down);", "(not at & '1');"),
+            Mutant(
+                "position_compare.vhd", "if valid = '0' then\n        armed", "if false then\n        armed"
+            ),
+            Mutant("position_compare.vhd", "if enable = '0' or level = '1' then", "if level = '1' then"),
+        ),
+    ),
 )
