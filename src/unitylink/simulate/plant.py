@@ -107,6 +107,9 @@ def check_plant(plant: object, what: str) -> None:
         raise UnityLinkError(
             f"{what}: period_s is {period_s!r}; it must be a number of seconds, 1e-5 to 3600"
         )
+    plays = getattr(plant, "plays", ())
+    if not isinstance(plays, (tuple, list, set, frozenset)) or not all(isinstance(one, str) for one in plays):
+        raise UnityLinkError(f"{what}: plays is {plays!r}; it must be entities, such as ('stepper',)")
     for method in ("attach", "step", "play") if hasattr(plant, "plays") else ("attach", "step"):
         if not callable(getattr(plant, method, None)):
             raise UnityLinkError(f"{what}: {type(plant).__name__} has no method {method}()")

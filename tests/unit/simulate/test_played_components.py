@@ -63,6 +63,14 @@ def test_without_such_a_plant_the_vhdl_is_compiled(folder: Path) -> None:
         connect(f"rtl:{folder / 'mover.ul'}?plant={folder / 'plant.py'}")
 
 
+@pytest.mark.parametrize("plays", ['"stepper"', "None", "(1,)"])
+def test_what_a_plant_plays_are_entities(plays: str, folder: Path) -> None:
+    """One text would be all entities whose names are in it."""
+    (folder / "plant.py").write_text(PLANT.replace('("stepper",)', plays), encoding="utf-8")
+    with pytest.raises(UnityLinkError, match="it must be entities, such as"):
+        connect(f"sim:{folder / 'mover.ul'}?plant={folder / 'plant.py'}")
+
+
 def test_a_plant_that_plays_needs_the_method(folder: Path) -> None:
     (folder / "plant.py").write_text(PLANT.replace("def play(", "def played("), encoding="utf-8")
     with pytest.raises(UnityLinkError, match=r"Plant has no method play\(\)"):
