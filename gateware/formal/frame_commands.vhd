@@ -34,7 +34,7 @@ architecture properties of frame_commands is
 
   signal done_so : std_ulogic := '0';
   signal command : std_ulogic;
-  signal is_asked, is_remembered, trips_in_open, renews_in_session : std_ulogic;
+  signal is_asked, is_remembered, in_open, in_open_or_close : std_ulogic;
 
 begin
 
@@ -46,12 +46,9 @@ begin
   is_asked <= to_bit(in_session = '1' and frame = '1' and dones = 0 and done_so = '0' and fresh = '1' and
                      entry = request_kind_write_control_c mod 16);
 
-  -- A search of some clocks does not come so far as to these. Mutants show that the induction notices them.
-  is_remembered     <= to_bit(at_rest = '0' or done_so = '0' or (memories = 1 and remembered = "0000"));
-  trips_in_open     <= to_bit(request.trip = '0' or (frame = '1' and dones = 0 and entry = entry_open));
-  renews_in_session <= to_bit(request.renew = '0' or
-                              (frame = '1' and dones = 0 and
-                               (entry = entry_open or entry = request_kind_close_c mod 16)));
+  is_remembered    <= to_bit(memories = 1 and remembered = "0000");
+  in_open          <= to_bit(frame = '1' and dones = 0 and entry = entry_open);
+  in_open_or_close <= in_open or to_bit(frame = '1' and dones = 0 and entry = request_kind_close_c mod 16);
 
   follow : process (clk) is
   begin
@@ -65,13 +62,13 @@ begin
   commanded_if_asked : assert always begun = '1' and command = '1' -> is_asked = '1';
 
   -- This is remembered as done well. So the request is not executed again.
-  command_is_remembered : assert always begun = '1' -> is_remembered = '1';
+  command_is_remembered : assert always begun = '1' and at_rest = '1' and done_so = '1' -> is_remembered = '1';
 
   -- Only an OPEN asks it to trip.
-  trips_with_open : assert always begun = '1' -> trips_in_open = '1';
+  trips_with_open : assert always begun = '1' and request.trip = '1' -> in_open = '1';
 
   -- Only an OPEN or CLOSE makes `arm` work again.
-  renewed_with_session : assert always begun = '1' -> renews_in_session = '1';
+  renewed_with_session : assert always begun = '1' and request.renew = '1' -> in_open_or_close = '1';
 
   -- The dead-man is started or stopped.
   start_seen : cover {begun = '1' and request.start = '1'};

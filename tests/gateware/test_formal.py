@@ -58,6 +58,24 @@ def test_the_digest_is_of_all_that_the_block_is_made_of(tools: Any, monkeypatch:
     assert digests.digest(block) != before
 
 
+def test_the_guide_of_a_cover_is_in_the_digest_of_its_block_alone(
+    tools: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    digests, guides = tools("digest"), tools("guides").GUIDES
+    for name, those in guides.items():
+        late = {label.rpartition(".")[2]: clock for label, clock in RECORD[name]["covers"].items()}
+        assert all(block_of(tools, name).reached < late[guide.cover] <= guide.reach for guide in those), (
+            "a cover that is not so deep needs no guide"
+        )
+    blocks = [block_of(tools, name) for name in ("crc8", *guides)]
+    before = [digests.digest(block) for block in blocks]
+    read = digests._python
+    monkeypatch.setattr(digests, "_python", lambda path: read(path) + "x" * (path.name == "guides.py"))
+    assert [digests.digest(block) == old for block, old in zip(blocks, before, strict=True)] == [
+        block.name not in guides for block in blocks
+    ]
+
+
 def test_a_comment_makes_no_proof_stale(tools: Any, tmp_path: Path) -> None:
     path = tmp_path / "some.vhd"
     path.write_text('a <= "--";  -- why\n', encoding="utf-8")

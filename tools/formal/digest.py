@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from block import Block
+from guides import GUIDES
 from sweep import SWEPT
 
 from unitylink.gateware import gateware_sources, property_sources
@@ -26,6 +27,7 @@ _ASKS = (  # the files that make the models and ask the solvers
     *(_HERE / name for name in ("cases.py", "model.py", "solvers.py")),
     *(Path(str(module.__file__)) for module in (ghdl_module, repairs_module)),
 )
+_ASKS_GUIDED = _HERE / "guides.py"  # for blocks that have a guide there
 _ASKS_LARGE = _HERE / "large.py"  # for blocks that set one of these fields
 _ASKS_SWEPT = _HERE / "sweep.py"  # for the blocks that it names
 _LARGE = ("by_abc", "guided")
@@ -68,6 +70,8 @@ def _python(path: Path) -> str:
 
 def _asks(block: Block) -> tuple[Path, ...]:
     asks = (*_ASKS, _ASKS_LARGE) if _is_large(block) else _ASKS
+    if block.name in GUIDES:
+        asks = (*asks, _ASKS_GUIDED)
     return (*asks, _ASKS_SWEPT) if block.name in SWEPT else asks
 
 

@@ -38,7 +38,8 @@ The columns of the table:
 - **covers**: situations that must be reachable, so that no property holds only because its case never
   occurs. The tool reads from each property when each part of it applies: `a -> next[k] b` needs an `a` k
   clocks before the end of the search, and `x <= n` an x that reaches n. A property that applies only
-  outside the searched clocks is refused, unless it is proven for ever.
+  outside the searched clocks is refused, unless it is proven for ever. Some covers lie so deep that they are
+  searched with a guide: chosen values for inputs, which no proof has.
 - **mutants**: faults planted in the design, each a change of text. The proof must notice all of them. A
   search finds how they violate a property. With ABC's induction the induction must fail.
 

@@ -13,6 +13,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any
 
+import guides
 import large
 import sweep
 from block import Block, Mutant
@@ -68,7 +69,7 @@ def prove(block: Block) -> Result:
                 raise ToolError(
                     f"{block.name}: {name} can be violated after more than {block.searched} clocks"
                 )
-        covers = (large.unreachable if block.guided else unreachable)(block, made)
+        covers = (large.unreachable if block.guided else unreachable)(block, guides.left(block, made))
         clocks = reached(covers, block.reached)
         for name in set(covers.named) - set(clocks):
             if (
@@ -76,6 +77,10 @@ def prove(block: Block) -> Result:
                 and (late := reached_late(covers, name)) is not None
             ):
                 clocks[name] = late
+        for guide in guides.GUIDES.get(block.name, ()):
+            if not (found := reached(guides.guided(block, made, guide), guide.reach)):
+                raise ToolError(f"{block.name}: {guide.cover} is not reached with its guide")
+            clocks |= found
         if missing := sorted(set(covers.named) - set(clocks)):
             raise ToolError(
                 f"{block.name}: search deeper, or claim less; "
