@@ -73,7 +73,7 @@ pytestmark = pytest.mark.xdist_group("octave")  # one build for all of these tes
 @pytest.fixture(scope="module")
 def octave(library: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str | Path]:
     """Return the command that runs a program with the classes of all specs."""
-    folder = tmp_path_factory.mktemp("octave") / "matlab"
+    folder = tmp_path_factory.mktemp("octave") / "my robots" / "matlab"
     awkward = compile_text(AWKWARD, "awkward.ul").spec
     assert awkward is not None
     for spec in (

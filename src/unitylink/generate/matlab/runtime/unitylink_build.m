@@ -25,10 +25,14 @@ function unitylink_build(include, library)
   end
   source = fullfile(here, 'mex', 'unitylink_mex.c');
   if exist('OCTAVE_VERSION', 'builtin')
-    made = fullfile(here, ['unitylink_mex.' mexext()]);
+    made = [tempname() '.' mexext()];  % mkoctfile puts no quotes around a folder with a space
     [told, failed] = mkoctfile('--mex', flags{:}, ['-Wl,-rpath,' library], '-lunitylink', '-o', made, source);
     if failed
       error('unitylink:Build', 'unitylink_mex did not compile: %s', told);
+    end
+    [moved, told] = movefile(made, fullfile(here, ['unitylink_mex.' mexext()]), 'f');
+    if ~moved
+      error('unitylink:Build', 'unitylink_mex cannot be written to %s: %s', here, told);
     end
   else
     if isunix()
