@@ -20,13 +20,10 @@ namespace {
 // Without a line, the device may run so far ahead of real time. So a reply is sent at once, and not after a timer.
 constexpr std::uint64_t lead_ns = 200'000;
 constexpr std::uint64_t pause_least_ns = 100'000;  // the thread's shortest pause when only the clock can give it work
-// how often the thread checks for a client that makes no descriptor readable a board that is later than this delays its
-// device clock, so that the other boards need not wait
+// How often the thread checks for a client that makes no descriptor readable.
 constexpr std::uint64_t look_ns = 5'000'000;
+// A board that is later than this delays its device clock, so that the other boards need not wait.
 constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;
-// time to answer a client that sends nothing more but still reads
-constexpr std::uint64_t linger_ns = 500'000'000;
-constexpr std::size_t chunk = 16384;
 
 }  // namespace
 
@@ -35,7 +32,7 @@ Board::Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint>
 
 Board::Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint)
     : device_(std::move(device)), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  output_.reserve(chunk);
+  output_.reserve(chunk_bytes);
   lead_ = configuration().byte_clocks() > 0 ? 0 : whole_clocks(lead_ns, configuration().clock_hz);
 }
 
@@ -201,81 +198,6 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
       plant_next_ = never;
     }
     tell_due();
-  }
-}
-
-// Gives the device bytes from the client. True: there may be more now.
-bool Board::feed() {
-  fed_ = false;
-  std::array<std::uint8_t, 4096> bytes;
-  const std::size_t room = std::min(bytes.size(), device_->room());
-  full_ = room == 0;
-  if ((endpoint_->client() < 0 && !endpoint_->has_client()) || room == 0) {
-    return false;
-  }
-  const bool lingered = endpoint_->ended();
-  const Endpoint::Transfer taken = endpoint_->receive(std::span(bytes).first(room));
-  if (taken.result == Endpoint::Result::gone) {
-    forget_output();
-  }
-  if (endpoint_->ended() && (!lingered || !device_->input_empty())) {
-    linger_until_ = clock_now() + whole_clocks(linger_ns, configuration().clock_hz);
-  } else if (lingered && clock_now() >= linger_until_ && !output_blocked_) {
-    endpoint_->dismiss();
-    forget_output();
-  }
-  if (taken.result != Endpoint::Result::done) {
-    return false;
-  }
-  device_->run_until(std::min(within_reach(clock_now()), plant_next_));  // not past the next step of the plant
-  for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
-    device_->receive(byte);
-  }
-  fed_ = true;
-  return taken.bytes == room;
-}
-
-// Drops the output for a client that has left, because it is not for the next one.
-void Board::forget_output() {
-  output_.clear();
-  output_sent_ = 0;
-  output_blocked_ = false;
-  at_rest_ = true;
-}
-
-// Takes what has left the device. False: there is nothing to send.
-bool Board::gather() {
-  if (output_sent_ == output_.size()) {
-    output_.clear();
-    output_sent_ = 0;
-  }
-  TimedByte byte;
-  while (output_.size() < chunk && device_->take(byte)) {
-    output_.push_back(byte.byte);
-  }
-  if (output_.empty()) {
-    return false;
-  }
-  at_rest_ = output_.back() == '\n' || output_.back() == protocol::frame::delimiter;
-  return true;
-}
-
-void Board::flush() {
-  for (;;) {
-    if (output_sent_ == output_.size() && !gather()) {
-      return;
-    }
-    if (!endpoint_->has_client()) {
-      statistics_.bytes_dropped += output_.size() - output_sent_;
-      output_sent_ = output_.size();
-      continue;
-    }
-    const Endpoint::Transfer sent = endpoint_->send(std::span<const std::uint8_t>(output_).subspan(output_sent_));
-    output_blocked_ = sent.result == Endpoint::Result::nothing;
-    if (output_blocked_) {
-      return;
-    }
-    output_sent_ += sent.bytes;  // 0 if the client has left; the next round drops the rest
   }
 }
 

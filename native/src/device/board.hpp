@@ -130,6 +130,8 @@ class Board : private Lockstep::Member {
   [[nodiscard]] Clock within_reach(Clock target) const noexcept;
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
   [[nodiscard]] bool wait(std::unique_lock<std::mutex>& lock);
+  // the client (board_client.cpp)
+  static constexpr std::size_t chunk_bytes = 16384;  // of output at once
   bool feed();
   [[nodiscard]] bool gather();
   void flush();
