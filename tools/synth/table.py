@@ -83,7 +83,7 @@ ROWS = (
             "deadman": False,
         },
         cells_most=1400,
-        mhz_least=98.0,
+        mhz_least=100.0,
         ecp5_mhz_least=118.0,
     ),
     Row(

@@ -23,6 +23,7 @@ from .chip import CELLS, Chip
 from .unpack import UNPACKERS
 
 _CLOCK_HZ = 12_000_000  # nothing here depends on it, because there is no PLL
+_PLACE = re.compile(r"/\* [^*\n]+:\d+:\d+  \*/")  # GHDL's comment: where in the VHDL a line comes from
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ def on_chip(verilog: str, top: str, say: Progress, bare: BareChip = HX8K) -> str
 
     The bitstream comes from the cache if it is there.
     """
+    verilog = _PLACE.sub("", verilog)  # with names of a folder that is another one each time
     placer = find_program(FAMILIES[bare.family].placers, FAMILIES[bare.family].place_remedy)
     versions = [
         run_tool([name, option], joined=True).out for name, option in (("yosys", "-V"), (placer, "--version"))
