@@ -13,12 +13,11 @@ from typing import Any
 
 import fmpy
 import pytest
-from conformance.boards import Still, output
+from conformance.boards import Still, board_of, output
 from fmpy.validation import validate_fmu
 
 from unitylink.generate import generate, write_files
 from unitylink.simulate import Board
-from unitylink.simulate.plant import load_plant
 from unitylink.spec import load
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -57,7 +56,7 @@ def test_the_page_runs(library: Path, tmp_path: Path) -> None:
     (program,) = re.findall(r"^```python.*?\n(.*?)^```", page, re.M | re.S)
     source = ROOT / "examples" / "scara" / "scara.ul"
     made = units(source, library, tmp_path)["3.0"]
-    with Board(load(source), endpoint="tcp", plant=load_plant("scara")) as board:
+    with board_of("fmu.md") as board:
         program = program.replace("tcp://127.0.0.1:5555", board.url).replace('"scara.fmu"', repr(str(made)))
         (tmp_path / "simulate.py").write_text(program, encoding="utf-8")
         told = output(sys.executable, tmp_path / "simulate.py")

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conformance.boards import Still, output, still
+from conformance.boards import Still, board_of, output, still
 from conformance.numbers_of_values import compare_numbers, random_spec
 
 from unitylink.generate import generate
@@ -153,7 +153,7 @@ def test_the_page_runs(library: Path, tmp_path: Path) -> None:
     (plain,) = re.findall(r"^```c .*?\n(.*?)^```", page, re.M | re.S)
     (tmp_path / "move.c").write_text(plain, encoding="utf-8")
     spec = load(ROOT / "examples" / "scara" / "scara.ul")
-    with Board(spec, endpoint="tcp", plant=load_plant("scara")) as board:
+    with board_of("cpp.md") as board:
         assert output(built(tmp_path / "move.cpp", spec, tmp_path, library), board.url) == [
             "joint 1 is at 300"
         ]

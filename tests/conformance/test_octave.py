@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conformance.boards import Still, output, still
+from conformance.boards import Still, board_of, output, still
 from conformance.numbers_of_values import compare_numbers, random_spec
 
 from unitylink.generate import generate, write_files
@@ -199,7 +199,7 @@ def test_the_page_and_the_example_run(octave: list[str | Path], tmp_path: Path) 
     assert len(first.splitlines()) <= 15 and len(others) == 4
     program = first.replace("tcp://127.0.0.1:5555", "URL")
     assert program != first
-    with Board(load(SCARA), endpoint="tcp", plant=load_plant("scara")) as board:
+    with board_of("matlab.md") as board:
         text = "\n".join([program.replace("URL", board.url), *others])
         (tmp_path / "page.m").write_text(text, encoding="utf-8")
         lines = output(*octave, tmp_path / "page.m")

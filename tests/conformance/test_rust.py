@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conformance.boards import Still, output, still
+from conformance.boards import Still, board_of, output, still
 from conformance.numbers_of_values import compare_numbers, random_spec
 
 from unitylink.generate import generate, write_files
@@ -166,7 +166,7 @@ def test_the_control_loop_holds_the_joint(programs: Path) -> None:
 
 
 def test_the_page_runs(programs: Path) -> None:
-    with Board(load(SCARA), endpoint="tcp", plant=load_plant("scara")) as board:
+    with board_of("rust.md") as board:
         assert output(programs / "move", board.url) == ["joint 1 is at 300"]
 
 
