@@ -148,25 +148,3 @@ def test_an_axis_reaches_its_target_with_any_clock(clock_mhz: int) -> None:
             counted += forward
         rests += what == "e"
     assert (counted, rests) == (60, 1)
-
-
-@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
-def test_axes_begin_together_or_a_ramp_period_apart(order: tuple[int, int]) -> None:
-    """The targets are written 20 clocks apart, at any time of the ramp period."""
-    one = configuration("stepgen", Case("axes=2", clock_hz=50_000_000))
-    period, base = 50_000_000 // 16_384, 12
-    written = {2: 20_000 << 8, 3: 4_000_000 // 64, 0: 1}
-    words = [(16 * axis + word, value) for axis in (0, 1) for word, value in written.items()]
-    apart = []
-    for offset in range(0, period, 100):
-        stimuli = [(300 + 50 * number, "w", *word) for number, word in enumerate(words)]
-        begin = 150_000 + offset
-        stimuli += [(begin + 20 * number, "w", 16 * axis + 1, 60) for number, axis in enumerate(order)]
-        first: dict[int, int] = {}
-        for at, what, axis, value in play_model(one, stimuli, 220_000):
-            if what == "o" and axis in (0, 1) and value == 1:
-                first.setdefault(axis, at)
-        apart.append(abs(first[0] - first[1]))
-    together = [clocks for clocks in apart if clocks <= base]
-    assert all(clocks <= base or abs(clocks - period) <= base for clocks in apart)
-    assert len(together) > 0.8 * len(apart)

@@ -26,6 +26,7 @@ SHORT_FORMS = {
     "docs": "",
     "coverage": "BENCHES=gpio",
     "synth": "ROWS=lite",
+    "bitstreams": "ONLY=icebreaker",
     "formal": "BLOCKS=fifo",
     "boards": "",
     "fuzz": "SECONDS=2 STRINGS=20000 MESSAGES=1000",
