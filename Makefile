@@ -29,6 +29,8 @@
 #                gateware/coverage.json (BENCHES=gpio: only these, and no record)
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them;
 #                ROWS="core lite": these only; CHANGED=1: those whose netlist has changed)
+#   make bitstreams  builds those of docs/robots.md, some minutes each, and records what they take
+#                (ONLY="bus_arm icebreaker": this robot and this board; CHANGED=1: those with other sources)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these
 #                only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
@@ -69,8 +71,8 @@ TESTS ?= tests
 
 .PHONY: experiments experiments-json develop sbom wheel packages demo extras demo-walker demo-pa10 demo-learn \
 	demo-tosnet demo-ros demo-fleet test \
-	check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean \
-	fresh page demo-serve lerobot help
+	check format long bench boards bitstreams coverage synth formal docs fuzz soak mutants sanitize build native-tests \
+	unit clean fresh page demo-serve lerobot help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -182,6 +184,11 @@ synth: $(VENV)/.built
 	@tools/setup.sh group boards
 	@tools/setup.sh boards
 	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(CHANGED),--changed) $(if $(ROWS),--rows $(ROWS))
+
+bitstreams: $(VENV)/.built
+	@tools/setup.sh group boards
+	@tools/setup.sh boards
+	$(BIN)/python tools/synth/bitstreams.py $(if $(CHANGED),--changed) $(if $(ONLY),--only $(ONLY))
 
 formal: $(VENV)/.built
 	@tools/setup.sh formal
