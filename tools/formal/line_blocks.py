@@ -36,4 +36,45 @@ LINE_BLOCKS = (
             Mutant("uart_bridge.vhd", "if to_send = '0' and tx_ready = '1' then", "if to_send = '0' then"),
         ),
     ),
+    Block(
+        "servo_bus_receiver",
+        "`components/servo_bus`, a reply of Feetech, a timeout of 20 us; characters come at any clock",
+        depth=0,
+        deep=6,
+        induction=3,
+        by_abc=True,
+        reach=60,
+        seen={
+            "rx_valid": "dut.rx_valid",
+            "data": "dut.data",
+            "rx_error": "dut.rx_error",
+            "place": "dut.place",
+            "timer": "dut.timer",
+            "counted": "dut.heard",
+            "wrong": "dut.wrong",
+            "extra": "dut.extra",
+            "low": "dut.low",
+            "summed": "dut.check",
+        },
+        without=(("servo_bus_receiver", "receiver"),),
+        not_proven="Dynamixel, with its CRC and its stuffed bytes: the bench has it",
+        mutants=(
+            Mutant(
+                "servo_bus_receiver.vhd",
+                "fits := data = id;\n            else",
+                "fits := true;\n            else",
+            ),
+            Mutant("servo_bus_receiver.vhd", "fits := unsigned(data) = rules.reply_length;", "fits := true;"),
+            Mutant(
+                "servo_bus_receiver.vhd", "wrong = '0' and extra = 0 and stuffed", "extra = 0 and stuffed"
+            ),
+            Mutant("servo_bus_receiver.vhd", "rx_valid when place = rules.header_last or", "rx_valid when"),
+            Mutant(
+                "servo_bus_receiver.vhd",
+                "timer = timeout_us or (and heard) = '1' then",
+                "timer = timeout_us then",
+            ),
+            Mutant("servo_bus_receiver.vhd", "without_sign(data & low, 15)", "without_sign(low & data, 15)"),
+        ),
+    ),
 )
