@@ -385,6 +385,7 @@ void bind_board(nb::module_& module) {
       .def("attach_servo", &attach_servo<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_distance", &attach_sensor<DistanceLines, PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_load_cell", &attach_sensor<LoadCellLines, PythonBoard>, nb::keep_alive<0, 1>())
+      .def("attach_serial_encoder", &attach_serial_encoder<PythonBoard>, nb::keep_alive<0, 1>())
       .def("attach_thermometer", &attach_sensor<ThermometerLines, PythonBoard>, nb::keep_alive<0, 1>())
       .def("play", &Board::play, nb::arg("component"), nb::arg("pin"), nb::arg("levels"), Release())
       .def("edges", &Board::edges, nb::arg("component"), nb::arg("pin"), Release())

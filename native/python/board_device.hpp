@@ -75,6 +75,24 @@ std::optional<BoardDevice> attach_i2c(PythonBoard& self, std::uint32_t component
   return BoardDevice{&self, component, scl_drive};
 }
 
+// Puts an absolute encoder at sclk, select_n, mosi and miso of a component. `form`: kind, bits, and those before and
+// behind. `quiet` is clocks. None: it has no such pins.
+template <class PythonBoard>
+std::optional<BoardDevice> attach_serial_encoder(
+    PythonBoard& self, std::uint32_t component, const SpiPins& pins,
+    const std::tuple<std::uint8_t, std::uint32_t, std::uint32_t, std::uint32_t>& form, bool gray, double quiet) {
+  const auto [sclk, select_n, mosi, miso] = pins;
+  const auto [kind, bits, lead_bits, tail_bits] = form;
+  using Kind = device::SerialEncoderLines::Kind;
+  const GilRelease released;
+  if (!self.attach(component,
+                   device::SerialEncoderLines{sclk, select_n, mosi, miso, static_cast<Kind>(kind), bits, lead_bits,
+                                              tail_bits, gray, static_cast<device::Clock>(quiet)})) {
+    return std::nullopt;
+  }
+  return BoardDevice{&self, component, sclk};
+}
+
 // Puts a sensor with lines of its own at an output and an input of a component. `us` is the clocks of a microsecond.
 // None: it has no such pins.
 template <class Lines, class PythonBoard>

@@ -281,6 +281,15 @@ class Board:
     def attach_thermometer(
         self, component: int, pins: tuple[int, int], us: float, /
     ) -> BoardDevice | None: ...
+    def attach_serial_encoder(
+        self,
+        component: int,
+        pins: tuple[int, int, int, int],
+        form: tuple[int, int, int, int],
+        gray: bool,
+        quiet: float,
+        /,
+    ) -> BoardDevice | None: ...
     def attach_load_cell(self, component: int, pins: tuple[int, int], us: float, /) -> BoardDevice | None: ...
     def attach_servo(
         self,

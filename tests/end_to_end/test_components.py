@@ -31,6 +31,7 @@ public cart() {
    pad: gpio(pins=4, safe=5);
    spindle: three_phase_pwm(frequency_hz=5000);
    rotor: hall(scale=2*pi/42 rad);
+   tip: biss_encoder(bits=16, scale=2*pi/65536 rad);
    @pressed = 0x0: u4 READ(PUBLISH(on pad.changed));
 }
 """
@@ -236,6 +237,7 @@ model = "cart.xml"
 "wheel[1]" = {joint = "arm"}
 "spindle" = {motor = "GBM2804H-100T", supply_v = 12}
 "rotor" = {joint = "spindle"}
+"tip" = {joint = "arm", sign = -1}
 "pad" = {joint = "arm", channel = 2, above = 30, unit = "deg"}
 """
 
@@ -259,6 +261,8 @@ def test_joints_of_mujoco_are_turned_by_pins_and_safe_when_their_model_fails(
         assert 0.6 < turned < 3.0
         assert robot["wheel[1].position"].read() == pytest.approx(turned, abs=0.03)
         assert robot["wheel[0].position"].read() == 0.0
+        assert robot["tip.position"].read() == pytest.approx(-turned, abs=0.03)
+        assert robot["tip.failures"].read() == 0
         assert robot["pad.levels"].read() == 0b0100
 
         # a field that turns takes the brushless motor along

@@ -12,13 +12,14 @@ from unitylink.errors import ValueRangeError
 from unitylink.interface.components import ComponentConfiguration
 
 from .bus_servo import BusServo
-from .device_registers import DeviceRegisters
+from .device_registers import DeviceRegisters, i2c_address
 from .distance_sensor import DistanceSensor
 from .led_strip import LedStrip
 from .load_cell import LoadCell
 from .modbus_device import ModbusDevice
 from .radio import Radio
 from .sensor import Sensor
+from .serial_encoder import SerialEncoder
 from .serial_end import SerialEnd
 from .speed_controller import SpeedController
 from .thermometer import Thermometer
@@ -26,13 +27,6 @@ from .thermometer import Thermometer
 AnySensor = TypeVar("AnySensor", bound=Sensor)
 
 _ANSWER_S = 30e-6  # from the end of a frame to the reply of a speed controller or of a servo
-_FRAME_BEGINS = 0x2000  # in a word of the program of a device, if its bits 15 and 14 are not both 1
-
-
-def _address_of(program: str) -> int:
-    """Return the address of a device on I²C: it is in the byte that begins a frame."""
-    words = (int(program[place : place + 4], 16) for place in range(0, len(program), 4))
-    return next((word & 0xFF) >> 1 for word in words if word < 0xC000 and word & _FRAME_BEGINS)
 
 
 class BoardComponent:
@@ -71,6 +65,7 @@ class BoardComponent:
         self._serial: SerialEnd | None = None
         self._distance_sensor: DistanceSensor | None = None
         self._load_cell: LoadCell | None = None
+        self._serial_encoder: SerialEncoder | None = None
         self._led_strip: LedStrip | None = None
         self._thermometer: Thermometer | None = None
         self._radio: Radio | None = None
@@ -256,7 +251,7 @@ class BoardComponent:
             if self.configuration.entity == "i2c_device":
                 scl, sda = (self._pin("out", f"{line}_drive", 0) for line in ("scl", "sda"))
                 lines = scl, sda, self._pin("in", "scl_in", 0), self._pin("in", "sda_in", 0)
-                address = _address_of(str(facts["program"]))
+                address = i2c_address(str(facts["program"]))
                 found = self._native.attach_i2c(self._number, lines, address, register_bytes)
             else:
                 select_n, sclk, mosi = (self._pin("out", name, 0) for name in ("select_n", "sclk", "mosi"))
@@ -311,6 +306,14 @@ class BoardComponent:
         if conversions_hz is not None:
             self._load_cell.conversions_hz = conversions_hz
         return self._load_cell
+
+    def serial_encoder(self) -> SerialEncoder:
+        """Return the encoder at the lines of an `absolute_encoder`. The first call puts it there, at 0."""
+        if self._serial_encoder is None:
+            self._serial_encoder = SerialEncoder.at(self._native, self._number, self.configuration, self._pin)
+            if self._serial_encoder is None:
+                raise self._without_pins()
+        return self._serial_encoder
 
     def thermometer(self) -> Thermometer:
         """Return the thermometer at the line of a `one_wire`. The first call puts it there, at 25 degC.

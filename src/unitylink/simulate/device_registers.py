@@ -10,6 +10,14 @@ _REGISTERS = 256
 _WORDS = 16
 _WORD_BYTES = 4
 
+_FRAME_BEGINS = 0x2000  # in a word of the program of a device, if its bits 15 and 14 are not both 1
+
+
+def i2c_address(program: str) -> int:
+    """Return the address of a device on I²C: it is in the byte that begins a frame."""
+    words = (int(program[place : place + 4], 16) for place in range(0, len(program), 4))
+    return next((word & 0xFF) >> 1 for word in words if word < 0xC000 and word & _FRAME_BEGINS)
+
 
 class DeviceRegisters:
     """256 registers of 8 bits. The gateware reads and writes them over the pins, frame by frame.

@@ -99,6 +99,23 @@ struct LoadCellLines {
   double us = 1;
 };
 
+// The lines of an absolute encoder: places among the outputs and the inputs. `quiet` is after how many clocks without
+// an edge the device is ready for the next frame.
+struct SerialEncoderLines {
+  enum class Kind : std::uint8_t { ssi, biss, chip };
+
+  std::uint32_t sclk = 0;
+  std::uint32_t select_n = 0;  // of a chip on SPI only, as mosi
+  std::uint32_t mosi = 0;
+  std::uint32_t miso = 0;
+  Kind kind = Kind::ssi;
+  std::uint32_t bits = 13;
+  std::uint32_t lead_bits = 0;
+  std::uint32_t tail_bits = 0;
+  bool gray = true;
+  Clock quiet = 1;
+};
+
 // The line of a thermometer on 1-wire: places among the outputs and the inputs. It is one pin, of a component whose
 // output before `drive` is the level that it drives.
 struct ThermometerLines {
@@ -109,7 +126,7 @@ struct ThermometerLines {
   [[nodiscard]] std::uint32_t out() const noexcept { return drive - 1; }
 };
 
-using DeviceLines =
-    std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines, LoadCellLines, ThermometerLines>;
+using DeviceLines = std::variant<SpiLines, EscLines, ServoLines, I2cLines, DistanceLines, LoadCellLines,
+                                 ThermometerLines, SerialEncoderLines>;
 
 }  // namespace unitylink::device

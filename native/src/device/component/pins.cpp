@@ -9,6 +9,7 @@
 #include "device/component/distance_sensor.hpp"
 #include "device/component/i2c_registers.hpp"
 #include "device/component/load_cell.hpp"
+#include "device/component/serial_encoder.hpp"
 #include "device/component/speed_controller.hpp"
 #include "device/component/spi_registers.hpp"
 #include "device/component/spi_words.hpp"
@@ -44,6 +45,7 @@ std::uint32_t device_place(const ServoLines& lines) noexcept { return lines.out 
 std::uint32_t device_place(const DistanceLines& lines) noexcept { return lines.trigger; }
 std::uint32_t device_place(const LoadCellLines& lines) noexcept { return lines.sck; }
 std::uint32_t device_place(const ThermometerLines& lines) noexcept { return lines.drive; }
+std::uint32_t device_place(const SerialEncoderLines& lines) noexcept { return lines.sclk; }
 
 }  // namespace
 
@@ -196,6 +198,18 @@ std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const Thermo
     return nullptr;
   }
   return std::make_unique<Thermometer>(*this, component, lines, now);
+}
+
+std::unique_ptr<BusDevice> Pins::device_at(std::uint32_t component, const SerialEncoderLines& lines, Clock now) {
+  for (const std::uint32_t pin : {lines.sclk, lines.select_n, lines.mosi}) {
+    if (output(component, pin, now) == nullptr) {
+      return nullptr;
+    }
+  }
+  if (!drive(component, lines.miso, true, now)) {
+    return nullptr;
+  }
+  return std::make_unique<SerialEncoder>(*this, component, lines, now);
 }
 
 BusDevice* Pins::attached(std::uint32_t component, std::uint32_t place) const noexcept {

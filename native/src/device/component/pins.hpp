@@ -103,6 +103,7 @@ class Pins {
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const DistanceLines& lines, Clock now);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const LoadCellLines& lines, Clock now);
   std::unique_ptr<BusDevice> device_at(std::uint32_t component, const ThermometerLines& lines, Clock now);
+  std::unique_ptr<BusDevice> device_at(std::uint32_t component, const SerialEncoderLines& lines, Clock now);
 
   struct Shaft {
     std::int64_t counts = 0;  // that the lines show

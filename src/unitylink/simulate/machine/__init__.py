@@ -21,6 +21,7 @@ from .stepper import Stepper, StepperData
 from .supply import Supply
 from .turned_brushless import TurnedBrushless
 from .turned_motor import TurnedMotor
+from .turned_stepper import TurnedShaft, TurnedStepper
 
 __all__ = [
     "BRUSHLESS",
@@ -47,4 +48,6 @@ __all__ = [
     "Supply",
     "TurnedBrushless",
     "TurnedMotor",
+    "TurnedShaft",
+    "TurnedStepper",
 ]

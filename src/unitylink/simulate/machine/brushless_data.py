@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 from .checks import check_number, check_positive, check_whole
+from .dc_motor_data import DcMotorData
 
 # The mean of a sine over the sixth of a turn in which a block commutation uses it.
 _BLOCK = 3 / math.pi
@@ -74,6 +75,24 @@ class BrushlessData:
             friction_mnm,
             source,
             estimated,
+        )
+
+    def in_blocks(self, nominal_v: float) -> DcMotorData:
+        """Return what the motor is for a speed controller that commutates it in blocks: a DC motor.
+
+        It is the other way round from `of_terminals`. All of its friction is the same at each speed.
+        """
+        constant = math.sqrt(3) * _BLOCK * self.pole_pairs * self.flux_mwb
+        return DcMotorData(
+            self.name,
+            nominal_v,
+            2 * self.resistance_ohm,
+            2 * self.inductance_mh,
+            constant,
+            self.rotor_inertia_g_cm2,
+            no_load_current_ma=1000 * self.friction_mnm / constant,
+            source=self.source,
+            estimated=self.estimated,
         )
 
     @property

@@ -18,6 +18,7 @@ from ...machine import MOTORS, DcMotorData
 from ..si_words import SiWord
 from . import places
 from .couplings import Couplings
+from .efforts import NO_EFFORT, Efforts
 from .part_kinds import couple
 from .places import Place
 from .wish import Wish, Wishes, wishes
@@ -62,7 +63,9 @@ def bind(
     elements = [one for one in walked if one.path in wanted]  # the others are those of components
     names = {path: found for root in (spec.roots if spec else ()) for path, found in names_of(root).items()}
     notes = list(coupled.notes)
-    measured, commanded = list(places.measured(model)), list(places.commanded(model))
+    efforts = Efforts(model, {number for what, number in coupled.driven if what == "joint"})
+    measured = [efforts.of(place) for place in places.measured(model)]
+    commanded = list(places.commanded(model))
     read = [one for one in elements if not one.writable]
     written = [one for one in elements if one.writable and one.access != "PULSE"]
     of_read, of_written = (
@@ -149,7 +152,8 @@ class _Finder:
                 f"{element.path}: {wish.by}: {other} commands the {fitting[0]} already; name another"
             )
         if fitting:
-            return self._made(element, (free or fitting)[0], wish)
+            place = (free or fitting)[0]
+            return None if self._has_no_effort(element, place, wish) else self._made(element, place, wish)
         if wish.own:
             has = ", ".join(dict.fromkeys(str(place) for place in own))
             unit_there = wish.unit or element.unit or "no unit"
@@ -166,9 +170,12 @@ class _Finder:
         names, wish = self._names[element.path], self._wanted[element.path]
         fitting = [place for place in self._places if _factor(element, place, wish.unit) is not None]
         named = [place for place in fitting if plain(place.name) in names]
+        named.sort(key=lambda place: place.what == NO_EFFORT)  # a sensor of this name has it
         has = wish.unit or element.unit
         if named:
             place = named[0]
+            if self._has_no_effort(element, place, wish):
+                return None
             if (place.what, place.index) not in self._taken:
                 return self._made(element, place, wish)
             self._notes.append(
@@ -187,6 +194,19 @@ class _Finder:
             )
         return None
 
+    def _has_no_effort(self, element: Element, place: Place, wish: Wish) -> bool:
+        """Is it the effort of a joint that nothing pushes? Note it. Raise UnityLinkError if it is wished."""
+        if place.what != NO_EFFORT:
+            return False
+        problem = (
+            f"joint {place.joint} has no actuator, and no component drives it, so its effort would read 0 "
+            "for ever; give it a motor, or read a torque sensor"
+        )
+        if wish.own:
+            raise UnityLinkError(f"{element.path}: {wish.by}: {problem}")
+        self._notes.append(f"{element.path} is left out: {problem}")
+        return True
+
     def _made(self, element: Element, place: Place, wish: Wish) -> Bound:
         self._taken.setdefault((place.what, place.index), element.path)
         factor = _factor(element, place, wish.unit)
@@ -195,7 +215,11 @@ class _Finder:
         if place.what == "limit":
             return Bound(element, place, SiWord(element, factor))
         kind = element.type.kind
-        if place.what in ("velocity", "effort") and kind in ("uint", "ufixed") and element.offset >= 0:
+        if (
+            place.what in ("velocity", "effort", "push")
+            and kind in ("uint", "ufixed")
+            and element.offset >= 0
+        ):
             return Bound(element, place, SiWord(element, factor, amount=True))  # it cannot be negative
         factor *= wish.sign
         zero = wish.zero / wish.scale if place.at_zero else 0.0

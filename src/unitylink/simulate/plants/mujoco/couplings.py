@@ -18,10 +18,11 @@ from ...machine import DcMotorData
 from .drives import Drive
 from .model_joint import ModelJoint, joints_of
 from .part_wish import PartWish
-from .places import Place, measured
+from .places import Place, kind_of, measured
 from .shown import Shown
 
 Found = TypeVar("Found")
+_NO_JOINT = -1
 
 
 class Outside(NamedTuple):
@@ -57,10 +58,21 @@ class Couplings:
     ) -> None:
         """Add what a component drives. Raises UnityLinkError if another one does already."""
         key = ("actuator", actuator) if actuator is not None else ("joint", joint.number)
+        self._drive(wish, key, f"joint {joint.name}", joint.number, make)
+
+    def drive_actuator(
+        self, wish: PartWish, actuator: int, name: str, make: Callable[[Outside], Drive]
+    ) -> None:
+        """The same for an actuator that may be at no joint."""
+        self._drive(wish, ("actuator", actuator), f"actuator {name}", _NO_JOINT, make)
+
+    def _drive(
+        self, wish: PartWish, key: tuple[str, int], what: str, joint: int, make: Callable[[Outside], Drive]
+    ) -> None:
         if key in self.driven:
-            raise wish.refused(f"{self.driven[key]} drives joint {joint.name} already; name another")
+            raise wish.refused(f"{self.driven[key]} drives {what} already; name another")
         self.driven[key] = wish.path
-        self.drives.append((wish.path, joint.number, make))
+        self.drives.append((wish.path, joint, make))
 
 
 class Coupler:
@@ -105,6 +117,25 @@ class Coupler:
                 raise wish.refused(f"{name!r} is no {what} actuator: joint {joint.name} has {there}")
             return number
         return joint.actuator_of(kind)
+
+    def pusher(self, wish: PartWish) -> int:
+        """Return the motor that is said, or the one at the joint, whose ctrlrange says what it can do most.
+
+        It may be at no joint, as the thrust of a propeller is at a site.
+        """
+        name = wish.get("actuator")
+        if name:
+            number: int | None = _named(self._actuators, name, "actuator", wish)
+        else:
+            number = self.needed_joint(wish).actuator_of("effort")
+        if (
+            number is None
+            or kind_of(self.model, number) != "effort"
+            or not self.model.actuator_ctrllimited[number]
+        ):
+            what = f"actuator {name!r} is no motor with a ctrlrange" if name else "its joint has none"
+            raise wish.refused(f'say motor="…", or name a motor with a ctrlrange by actuator="…"; {what}')
+        return number
 
     def sensor(self, wish: PartWish) -> Place:
         """Return the sensor that is said, or that has the name of the component."""

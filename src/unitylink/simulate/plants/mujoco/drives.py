@@ -41,14 +41,22 @@ class MotorDrive:
 
     def __init__(self, bridge: Bridge, motor: TurnedMotor, axis: Axis, push: Push) -> None:
         self._bridge, self.motor, self._axis, self._push = bridge, motor, axis, push
+        self._looked = False
 
     @property
     def currents_a(self) -> tuple[float, ...]:
         return (self.motor.current_a,)
 
-    def push(self, seconds: float) -> None:
+    def look(self, seconds: float) -> None:
+        """Let the current flow as the pins were in a part of a step of the plant."""
         self.motor.speed_rad_s = self._axis.speed
         self._bridge.drive(self.motor, seconds)
+        self._looked = True
+
+    def push(self, seconds: float) -> None:
+        if not self._looked:
+            self.look(seconds)
+        self._looked = False
         self._push.give(self._axis.sign * self.motor.taken_torque_nm())
 
 
@@ -57,14 +65,23 @@ class BrushlessDrive:
 
     def __init__(self, inverter: Inverter, motor: TurnedBrushless, axis: Axis, push: Push) -> None:
         self._inverter, self.motor, self._axis, self._push = inverter, motor, axis, push
+        self._looked = False
 
     @property
     def currents_a(self) -> tuple[float, ...]:
         return self.motor.currents_a
 
-    def push(self, seconds: float) -> None:
-        self.motor.turn(self._axis.angle, self._axis.speed)
+    def look(self, seconds: float) -> None:
+        """Let the currents flow as the pins were in a part of a step of the plant. It turns meanwhile."""
+        if not self._looked:
+            self.motor.turn(self._axis.angle, self._axis.speed)
         self._inverter.drive(self.motor, seconds)
+        self._looked = True
+
+    def push(self, seconds: float) -> None:
+        if not self._looked:
+            self.look(seconds)
+        self._looked = False
         self._push.give(self._axis.sign * self.motor.taken_torque_nm())
 
 

@@ -14,10 +14,19 @@ from unitylink.errors import UnityLinkError
 
 from ...machine import DcMotorData, EndSwitch
 from .couplings import Coupler, Couplings
-from .motors import couple_bridge, couple_inverter, couple_stepgen
+from .followers import couple_servo_bus, couple_stepgen
+from .motors import couple_bridge, couple_dshot, couple_inverter
 from .part_wish import PLACES, PartWish
 from .quantities import factor_of, si_of_count, value_unit
-from .shown import ShownCurrents, ShownDistance, ShownEncoder, ShownForce, ShownHall, ShownSwitch
+from .shown import (
+    ShownAbsolute,
+    ShownCurrents,
+    ShownDistance,
+    ShownEncoder,
+    ShownForce,
+    ShownHall,
+    ShownSwitch,
+)
 
 _SWITCH = ("joint", "port", "channel", "below", "above", "hysteresis", "closed_level", "unit", "sign", "zero")
 _SENSED = {"sonar": ("sensor",), "hx711": ("sensor",)}  # they do not belong to a joint
@@ -81,7 +90,40 @@ def _couple_encoder(wish: PartWish, coupler: Coupler, into: Couplings) -> None:
     into.shown.add(("position", joint.position))
     turned = a_count * int(wish.get("sign", 1))
     into.senses.append(
-        (wish.path, lambda outside: ShownEncoder(outside.pins, outside.data, joint.position, turned, index))
+        (
+            wish.path,
+            lambda outside: ShownEncoder(outside.pins, outside.data, joint.position, turned, per_turn=index),
+        )
+    )
+
+
+def _couple_bank(wish: PartWish, coupler: Coupler, into: Couplings) -> None:
+    wish.check_keys(("joint", "sign", "unit", "scale", "channel"))
+    joint, channel = coupler.needed_joint(wish), int(wish.get("channel", 0))
+    turned = si_of_count(wish, "position", joint.unit) * int(wish.get("sign", 1))
+    into.shown.add(("position", joint.position))
+    into.senses.append(
+        (
+            wish.path,
+            lambda outside: ShownEncoder(outside.pins, outside.data, joint.position, turned, channel=channel),
+        )
+    )
+
+
+def _couple_absolute(wish: PartWish, coupler: Coupler, into: Couplings) -> None:
+    wish.check_keys(("joint", "sign", "unit", "scale", "zero"))
+    joint = coupler.needed_joint(wish)
+    a_count, sign = si_of_count(wish, "position", joint.unit), int(wish.get("sign", 1))
+    own = wish.get("unit") or value_unit(wish, "position")
+    assert wish.instance.component is not None
+    facts: dict[str, Any] = dict(wish.instance.component.generics)
+    zero = int(facts["zero"]) + float(wish.get("zero", 0.0)) * factor_of(wish, joint.unit, own) / a_count
+    into.shown.add(("position", joint.position))
+    into.senses.append(
+        (
+            wish.path,
+            lambda outside: ShownAbsolute(outside.pins, outside.data, joint, sign * a_count, zero),
+        )
     )
 
 
@@ -168,8 +210,12 @@ _KINDS: dict[str, Callable[[PartWish, Coupler, Couplings], None]] = {
     "h_bridge": couple_bridge,
     "pwm": couple_bridge,
     "three_phase_pwm": couple_inverter,
+    "dshot": couple_dshot,
+    "servo_bus": couple_servo_bus,
     "stepgen": couple_stepgen,
     "quadrature_encoder": _couple_encoder,
+    "encoder_bank": _couple_bank,
+    "absolute_encoder": _couple_absolute,
     "hall": _couple_hall,
     "gpio": _couple_switch,
     "sonar": _couple_sonar,

@@ -12,8 +12,8 @@ from typing import Any
 from unitylink.errors import UnityLinkError
 from unitylink.spec.model import Instance
 
-TEXTS = ("joint", "actuator", "sensor", "unit", "motor", "gear", "servo", "port")
-WHOLE = ("channel", "reverse_channel")
+TEXTS = ("joint", "actuator", "sensor", "unit", "motor", "gear", "servo", "stepper", "port")
+WHOLE = ("channel", "reverse_channel", "microsteps")
 NUMBERS = (
     "scale",
     "zero",
@@ -23,6 +23,7 @@ NUMBERS = (
     "above",
     "hysteresis",
     "full_scale_a",
+    "current_a",
     "efficiency",
     "turn_m",
 )
@@ -89,7 +90,7 @@ def check_said(said: Mapping[str, Any], by: str, keys: Iterable[str] = KEYS) -> 
         raise UnityLinkError(f"{by}: sign is {said['sign']}; it must be 1 or -1")
     if said.get("closed_level", 1) not in (0, 1):
         raise UnityLinkError(f"{by}: closed_level is {said['closed_level']}; it must be 0 or 1")
-    for key in ("ratio", "efficiency", "turn_m", "supply_v", "full_scale_a"):
+    for key in ("ratio", "efficiency", "turn_m", "supply_v", "full_scale_a", "microsteps", "current_a"):
         if said.get(key, 1) <= 0:
             raise UnityLinkError(f"{by}: {key} is {said[key]}; it must be above 0")
     if said.get("scale", 1) == 0:

@@ -34,16 +34,21 @@ class Place:
     """A number of the model that a value may have: what it is called, its unit, and where it is."""
 
     name: str
-    what: str  # "position", "velocity", "effort" or "sensor"; "actuator" or "limit" for what is commanded
+    # "position", "velocity", "effort" ("push" or NO_EFFORT: efforts.py) or "sensor"; "actuator" or "limit"
+    # for what is commanded
+    what: str
     unit: str | None  # None: any
     index: int
     joint: str = ""  # whose number it is, "" for a sensor or an actuator of something else
     at_zero: bool = False  # does it say where a joint is, so that it has a zero?
 
     def __str__(self) -> str:
-        what = {"limit": "speed limit of", "sensor": "sensor", "actuator": "actuator"}.get(
-            self.what, f"{self.what} of"
-        )
+        what = {
+            "limit": "speed limit of",
+            "sensor": "sensor",
+            "actuator": "actuator",
+            "push": "effort of",
+        }.get(self.what, f"{self.what} of")
         return f"{what} {self.name}" + (f" ({self.unit})" if self.unit else "")
 
 

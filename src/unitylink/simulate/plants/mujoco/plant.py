@@ -19,6 +19,7 @@ from ..si_words import SiWords
 from .binding import bind
 from .camera import Camera
 from .model_file import load_model
+from .pin_looks import PinLooks, looks_of
 from .world import World
 
 _log = logging.getLogger("unitylink.simulate")
@@ -38,6 +39,8 @@ class MujocoPlant:
         self.notes: tuple[str, ...] = ()
         self._steps: int | None = None  # of the world, as far as this board is; None before its first
         self._attached: tuple[int, int] | None = None
+        self._looks_a_step = 1
+        self._looks: PinLooks | None = None
 
     @property
     def model(self) -> Any:
@@ -48,6 +51,11 @@ class MujocoPlant:
     def data(self) -> Any:
         """The mujoco.MjData, which moves."""
         return self._world.data
+
+    @property
+    def drives(self) -> tuple[Any, ...]:
+        """What moves joints from the pins of components, in the order of the spec."""
+        return tuple(self._drives)
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
         """Find the values of joints, actuators and sensors."""
@@ -61,6 +69,8 @@ class MujocoPlant:
             self._world = World.shared_by(loaded.path, member, self._world)
         found = bind(spec, self.model, loaded.values, self._file, loaded.motors)
         self._couplings, self._components = found.coupled, registers.components
+        self._looks_a_step = looks_of(spec, self._world.period_s) if found.coupled.drives else 1
+        self.period_s = self._world.period_s / self._looks_a_step
         # what this board leaves free in a shared world may belong to another
         self.notes = (*loaded.notes, *found.notes, *(() if loaded.shared else found.free))
         for note in self.notes:
@@ -80,6 +90,7 @@ class MujocoPlant:
             "position": data.qpos,
             "velocity": data.qvel,
             "effort": data.qfrc_actuator,
+            "push": data.qfrc_applied,  # what a component gives a joint without an actuator
             "sensor": data.sensordata,
         }
         self._rows = []  # (numbers of the model, where they are shown, which of them)
@@ -97,17 +108,25 @@ class MujocoPlant:
             self.data.ctrl[self._controls[self._limited]] = self.data.qpos[self.model.jnt_qposadr[joints]]
             mujoco.mj_forward(self.model, self.data)
             self._drives, self._shown = self._couplings.made(self._components, self.data)
+            self._looks = None
+            if self._looks_a_step > 1:
+                self._looks = PinLooks(self._looks_a_step, self.period_s, self._drives, self._shown)
+                self._looks.show()
+                self._shown = [one for one in self._shown if one not in self._looks.shown]
             self._show()
             for shown in self._shown:
                 shown.show(0.0)
 
     def step(self, time_s: float) -> None:
-        """Let the model move on by `period_s`. Raises UnityLinkError if it has become unstable."""
+        """Let the model move on, or only look. Raises UnityLinkError if it has become unstable."""
         with self._world.lock:
+            if self._looks is not None and not self._looks.due():
+                return
+            period_s = self._world.period_s
             if self._limits is not None:
                 wanted = self._set_points.read()
                 now = self.data.ctrl[self._controls[self._limited]]
-                most = np.abs(self._limits.read()) * self.period_s
+                most = np.abs(self._limits.read()) * period_s
                 wanted[self._limited] = now + np.clip(wanted[self._limited] - now, -most, most)
                 self.data.ctrl[self._controls] = wanted
             else:
@@ -117,13 +136,15 @@ class MujocoPlant:
                 if changed is not None:
                     self.data.ctrl[self._controls] = changed
             for drive in self._drives:
-                drive.push(self.period_s)
+                drive.push(period_s)
             # the first step is in the moment of the reset, so nothing has moved yet
             self._steps = self._world.steps if self._steps is None else self._steps + 1
             self._world.move_to(self._steps, time_s)
             self._show()
             for shown in self._shown:
-                shown.show(self.period_s)
+                shown.show(period_s)
+            if self._looks is not None:
+                self._looks.show()
 
     def reset(self) -> None:
         """Go back to the start of the model."""

@@ -54,6 +54,16 @@ def value_unit(wish: PartWish, value: str) -> str:
     return _element(wish, value).unit
 
 
+def value_offset(wish: PartWish, value: str) -> float:
+    """Return what the count 0 of a value of a component is, in its unit."""
+    return float(_element(wish, value).offset)
+
+
+def ratio_of_counts(wish: PartWish, value: str, other: str) -> float:
+    """Return what one count of a value is, in counts of another one of the same unit, or of its change."""
+    return float(_element(wish, value).scale) / float(_element(wish, other).scale)
+
+
 def _element(wish: PartWish, value: str) -> Element:
     for element in wish.instance.elements:
         if value in (element.name, element.array):

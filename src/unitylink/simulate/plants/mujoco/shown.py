@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from ...components import BoardComponent
 from ...machine import EndSwitch, HallSensors
 from .drives import BrushlessDrive, MotorDrive
+from .model_joint import ModelJoint
 
 _SECTOR_RAD = math.pi / 3  # of an electrical turn
 
@@ -24,15 +25,41 @@ class ShownEncoder:
     """Lines that count. They begin at 0 where the joint is, as a counter does when the power comes."""
 
     def __init__(
-        self, component: BoardComponent, data: Any, position: int, a_count: float, per_turn: int
+        self,
+        component: BoardComponent,
+        data: Any,
+        position: int,
+        a_count: float,
+        *,
+        per_turn: int = 0,
+        channel: int = 0,
     ) -> None:
         self._pins, self._data, self._position = component, data, position
-        self._a_count, self._per_turn = a_count, per_turn
+        self._a_count, self._per_turn, self._channel = a_count, per_turn, channel
         self._start = float(data.qpos[position])
 
     def show(self, seconds: float) -> None:
         counts = (float(self._data.qpos[self._position]) - self._start) / self._a_count
-        self._pins.turn(counts, seconds, per_turn=self._per_turn)
+        self._pins.turn(counts, seconds, per_turn=self._per_turn, channel=self._channel)
+
+
+class ShownAbsolute:
+    """An encoder that knows where the joint is. `zero` is what it reads where the joint is at 0."""
+
+    def __init__(
+        self, component: BoardComponent, data: Any, joint: ModelJoint, a_count: float, zero: float
+    ) -> None:
+        self._encoder = component.serial_encoder()
+        self._data, self._joint, self._a_count, self._zero = data, joint, a_count, zero
+        self._time_s = self._since_s = -1.0
+
+    def show(self, seconds: float) -> None:
+        data, joint = self._data, self._joint
+        # between two steps of the model it goes on with its speed
+        self._since_s = self._since_s + seconds if self._time_s == data.time else 0.0
+        self._time_s = data.time
+        at = float(data.qpos[joint.position]) + float(data.qvel[joint.dof]) * self._since_s
+        self._encoder.turn(at / self._a_count + self._zero)
 
 
 class ShownHall:

@@ -20,6 +20,11 @@ _LAST_UNSTABLE = int(mujoco.mjtWarning.mjWARN_BADQACC)
 _shared: WeakValueDictionary[Path, World] = WeakValueDictionary()
 
 
+def steps_at_once(model: Any) -> int:
+    """Return how many time steps of a model one of the plant has."""
+    return max(1, round(LEAST_PERIOD_S / float(model.opt.timestep)))
+
+
 class World:
     """The model and its data. It steps every millisecond, or with the time step of the model if that is
     longer.
@@ -31,9 +36,8 @@ class World:
     def __init__(self, model: Any) -> None:
         self.model = model
         self.data = mujoco.MjData(model)
-        step_s = float(model.opt.timestep)
-        self._at_once = max(1, round(LEAST_PERIOD_S / step_s))
-        self.period_s = self._at_once * step_s
+        self._at_once = steps_at_once(model)
+        self.period_s = self._at_once * float(model.opt.timestep)
         self.steps = 0
         self.lock = threading.RLock()
         self._unstable = self.data.warning.number[_FIRST_UNSTABLE : _LAST_UNSTABLE + 1]  # a view
