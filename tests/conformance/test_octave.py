@@ -85,6 +85,12 @@ def octave(library: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str 
     command: list[str | Path] = ["octave-cli", "--norc", "--quiet", "--no-history", "--path", folder]
     include = ROOT / "native" / "include"
     assert output(*command, "--eval", f"unitylink_build('{include}', '{library}')") == []
+    (folder / "unitylink_mex.mex").unlink()
+    prefix = folder.parent / "my library"
+    output(Path(sys.executable).with_name("cmake"), "--install", library, "--prefix", prefix)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PKG_CONFIG_PATH", str(prefix / "lib" / "pkgconfig"))
+        assert output(*command, "--eval", "unitylink_build") == []
     return command
 
 

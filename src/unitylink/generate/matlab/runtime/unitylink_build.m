@@ -5,24 +5,19 @@ function unitylink_build(include, library)
   % unitylink_build()                  the library is installed where pkg-config finds it
   % unitylink_build(INCLUDE, LIBRARY)  the folders of unitylink.h and of libunitylink
   here = fileparts(mfilename('fullpath'));
-  if nargin == 2
-    flags = {['-I' include], ['-L' library]};
-  elseif nargin == 0
-    [failed, told] = system('pkg-config --cflags-only-I --libs-only-L unitylink');
+  if nargin == 0
+    [failed, include] = system('pkg-config --variable=includedir unitylink');
     if failed
       error('unitylink:NotFound', ['pkg-config does not find unitylink: install the library, or name its folders, ' ...
                                    'unitylink_build(INCLUDE, LIBRARY)']);
     end
-    flags = strsplit(strtrim(told));
-    flags = flags(~cellfun('isempty', flags));
-    [failed, told] = system('pkg-config --variable=libdir unitylink');
-    library = '';
-    if ~failed
-      library = strtrim(told);
-    end
-  else
+    [~, library] = system('pkg-config --variable=libdir unitylink');
+    include = strrep(strtrim(include), '\ ', ' ');  % it writes a space as in a shell
+    library = strrep(strtrim(library), '\ ', ' ');
+  elseif nargin ~= 2
     error('unitylink:Argument', 'give both folders, INCLUDE and LIBRARY, or none');
   end
+  flags = {['-I' include], ['-L' library]};
   source = fullfile(here, 'mex', 'unitylink_mex.c');
   if exist('OCTAVE_VERSION', 'builtin')
     made = [tempname() '.' mexext()];  % mkoctfile puts no quotes around a folder with a space

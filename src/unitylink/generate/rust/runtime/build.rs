@@ -15,7 +15,9 @@ fn main() {
     let found = Command::new("pkg-config").args(["--variable=libdir", "unitylink"]).output();
     match found {
         Ok(told) if told.status.success() => {
-            println!("cargo:rustc-link-search=native={}", String::from_utf8_lossy(&told.stdout).trim());
+            // it writes a space as in a shell
+            let folder = String::from_utf8_lossy(&told.stdout).trim().replace("\\ ", " ");
+            println!("cargo:rustc-link-search=native={folder}");
         }
         _ => println!(
             "cargo:warning=pkg-config does not find unitylink: install the library, or name the folder of \
