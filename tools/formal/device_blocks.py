@@ -56,6 +56,41 @@ DEVICE_BLOCKS = (
         ),
     ),
     Block(
+        "hx711",
+        "`components/hx711`, `settle` 0, a timeout of 100 us; a us may end at any clock",
+        depth=0,
+        deep=10,
+        induction=3,
+        by_abc=True,
+        reach=285,
+        guided={"reset": 0, "tick": 1, "control": 5, "m2s_cyc": 0},
+        seen={
+            "in_a_row": "dut.tries.in_a_row",
+            **{
+                name: f"dut.{name}"
+                for name in ("raw", "state", "now", "chosen", "left", "shift", "at_rail", "ended", "reason")
+            },
+        },
+        given={"dut.tick": "ticks", "dut.write_words": "words"},
+        not_proven="what the state says; other numbers of conversions to drop: the bench has them",
+        mutants=(
+            Mutant("hx711.vhd", "if ended = '1' then", "if false then"),
+            Mutant(
+                "hx711.vhd", "left <= to_unsigned(settle + 1, left'length);\n              end if;", "end if;"
+            ),
+            Mutant("hx711.vhd", "void       <= not enable or other;", "void       <= not enable;"),
+            Mutant("hx711.vhd", "elsif now(2 downto 1) = chosen then", "elsif now(2 downto 1) = wanted then"),
+            Mutant("hx711.vhd", "elsif now = timeout_us - 1 then", "elsif now = timeout_us then"),
+            Mutant("hx711.vhd", "if now(reset_bit) = '1' then", "if now(reset_bit - 1) = '1' then"),
+            Mutant("hx711.vhd", "at_rail <= raw xor shift(0);", "at_rail <= '0';"),
+            Mutant(
+                "hx711.vhd",
+                "if raw = '0' then\n              ended",
+                "if reset = '1' then\n              ended",
+            ),
+        ),
+    ),
+    Block(
         "i2c_device",
         "`components/i2c_device`, its lines: a quarter of a bit of 4 clocks, and one quarter of patience",
         depth=0,
