@@ -264,7 +264,9 @@ begin
   begin
     if rising_edge(clock) then
       fetched <= rom(to_integer(pc));
-      word    <= fetched;
+      if state = loading then
+        word <= fetched;
+      end if;
     end if;
   end process;
 
