@@ -103,6 +103,21 @@ CASES = {
             device="rc_servo",
         ),
     ),
+    "pdm": (
+        Case(
+            "channels=3, rate_hz=230000, start=9000",
+            dict.fromkeys(range(3), (0, 1, 900, 16384, 30000, 32767, 32768, 32769, 65535)),
+            pause=300,
+            start=8,
+        ),
+        Case("channels=1, rate_hz=2200000, bits=4", {0: (0, 1, 5, 8, 15, 16, 17, 31)}, start=8),
+        Case(
+            "channels=8, rate_hz=100000, bits=16, start=65536",
+            dict.fromkeys(range(8), (0, 700, 32768, 65535, 65536, 65537)),
+            pause=900,
+            start=8,
+        ),
+    ),
     "three_phase_pwm": (
         Case(
             "frequency_hz=40000, duty_bits=6, dead_minimum_ns=900",

@@ -38,6 +38,21 @@ def test_a_frequency_that_is_too_high_for_the_channels_stops_elaboration(ghdl: A
     )
 
 
+@pytest.mark.parametrize(
+    "generics",
+    [{}, {"channels": 1, "rate_hz": 4_900_000, "pulse_ns": 0, "bits": 4, "start": 16}],
+    ids=["three", "one_fast"],
+)
+def test_pdm(ghdl: Any, generics: dict[str, int]) -> None:
+    ghdl.run("pdm_tb", **generics)
+
+
+def test_what_pdm_cannot_do_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("pdm_tb", "3 channels take at least 6 clocks, and rate_hz gives 5", clock_hz=5_500_000)
+    ghdl.refuse("pdm_tb", "a bit at rate_hz 1100000 is shorter than pulse_ns 910", pulse_ns=910)
+    ghdl.refuse("pdm_tb", "start is at most 32768, got 32769", start=32_769)
+
+
 @pytest.mark.parametrize(("kbaud", "bidirectional"), [(600, 1), (300, 0)])
 def test_dshot(ghdl: Any, kbaud: int, bidirectional: int) -> None:
     ghdl.run("dshot_tb", kbaud=kbaud, bidirectional=bidirectional)

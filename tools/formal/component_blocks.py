@@ -53,6 +53,28 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "pdm",
+        "`components/pdm`, two channels of 4 bits, 5 clocks a bit",
+        depth=9,
+        deep=16,
+        reach=60,
+        pdr=True,
+        seen={"word": "dut.word", "total": "dut.total"},
+        not_proven="other numbers of channels, bits and clocks; a master that gives an access up",
+        mutants=(
+            Mutant("pdm.vhd", "sum(sum'high) or word(word'high);", "sum(sum'high);"),
+            Mutant("pdm.vhd", "(second and not word(word'high));", "second;"),
+            Mutant(
+                "pdm.vhd",
+                "if (writes or late) = '1' and reads = '0' then",
+                "if writes = '1' and reads = '0' then",
+            ),
+            Mutant("pdm.vhd", "period - 1, left'length", "period - 2, left'length"),
+            Mutant("pdm.vhd", "(total_t'range => not clearing);", "(total_t'range => '1');"),
+            Mutant("pdm.vhd", "to_unsigned(start, word_bits) when", "to_unsigned(0, word_bits) when"),
+        ),
+    ),
+    Block(
         "h_bridge",
         "`components/h_bridge`, four gates, 16 clocks a period, a dead time of at least 3 clocks",
         depth=10,

@@ -15,7 +15,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from table import SMALL, Row
+from row import Row
+from table import SMALL
 
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources, plain_text

@@ -27,7 +27,8 @@ from flow import (
     verilog_of,
     versions,
 )
-from table import ROWS, SEEDS, Row
+from row import SEEDS, Row
+from table import ROWS
 
 RECORD = ROOT / "gateware" / "area.json"
 PAGE = ROOT / "docs" / "gateware" / "area.md"

@@ -24,7 +24,7 @@ _SITE = "site:"  # stands before a pin of the chip that the manifest does not na
 _WORDS = {
     **dict.fromkeys(("led", "lamp", "light"), "leds"),
     **dict.fromkeys(("button", "key", "btn"), "buttons"),
-    **dict.fromkeys(("pwm", "servo", "motor"), "pwm"),
+    **dict.fromkeys(("pwm", "pdm", "servo", "motor"), "pwm"),
     **dict.fromkeys(("encoder", "quadrature"), "encoder"),
     **dict.fromkeys(("gpio", "pin", "switch", "io"), "io"),
 }

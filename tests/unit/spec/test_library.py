@@ -73,6 +73,8 @@ def test_room_is_found_beside_tosnet_and_below_the_base() -> None:
     [
         ("public a() { b: gpio(-4); }", ["UL049"]),
         ("public a() { b: pwm(channels=-2); }", ["UL049"]),
+        ("public a() { b: pdm(rate_hz=1000000, pulse_ns=1001); }", ["UL049"]),
+        ("public a() { b: pdm(bits=8, start=257); }", ["UL049"]),
         ("public a() { d[2]: d(); } d() { b: gpio(pins=99); }", ["UL049"]),
         ("link l(ADDRESS=2); public a() { b: gpio() @ 0x60; }", ["UL059"]),
         ("public a() { @x = 0x61: READ(); b: gpio() @ 0x60; }", ["UL057", "UL051"]),
@@ -83,7 +85,7 @@ def test_a_mistake_with_a_component_is_reported_where_it_is_used(text: str, code
     assert [d.code for d in diagnostics] == codes  # once, and not for each of its words
     places = [place for d in diagnostics for place in (d.span, *(label.span for label in d.labels))]
     assert {place.file for place in places} == {"robot.ul"}
-    assert text[diagnostics[-1].span.start :].startswith(("gpio", "pwm"))
+    assert text[diagnostics[-1].span.start :].startswith(("gpio", "pwm", "pdm"))
 
 
 def test_a_constructor_of_the_spec_comes_before_the_library() -> None:

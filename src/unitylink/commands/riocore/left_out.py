@@ -27,7 +27,7 @@ KINDS = {
     "modbus": "modbus_master reads and writes registers; write its table into the spec",
     "sonar": "sonar reads it; write it into the spec",
     "ws2812b": "ws2812 drives it; write it with its number of LEDs into the spec",
-    "pdmout": "no component makes pulse density; pwm may do",
+    "pdmout": "pdm makes it; write it with its channels into the spec",
     "stepper": "stepgen gives step and direction, not the phases of a motor",
     "breakout": "its own wiring is not in this file; name its pins with --pin",
 }
