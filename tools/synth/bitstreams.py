@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "robots.md"
 RECORD = ROOT / "gateware" / "bitstreams.json"
 FULL = 0.8  # a fuller chip has no room to spare
+# These fill more, and docs/robots.md says so.
+FULLER = {"diff_drive ice40-hx8k": 30 / 32}
 _COMMAND = re.compile(r"^unitylink build (examples/(\w+)/\w+\.ul) --board ([\w:-]+)((?: --pin \S+)*)$", re.M)
 _TABLE = re.compile(r"(<!-- `make bitstreams` writes this table -->\n\n).*?(?=\n\n[^|]|\n*\Z)", re.DOTALL)
 
@@ -151,7 +153,7 @@ def complaints(record: dict[str, Any]) -> list[str]:
             found.append(f"{name}: {row['mhz']} MHz, and {row['asked_mhz']} are asked")
         for what in ("cells", "memories"):
             used, available = row[what]
-            if used > FULL * available:
+            if used > FULLER.get(name, FULL) * available:
                 found.append(f"{name}: {used} of {available} {what} leave no room to spare")
     return found
 
