@@ -20,6 +20,18 @@ struct RobotOptions {
       return url;
     return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
   }
+
+  // Why a node cannot open the URL, or "": the virtual boards of Python have no driver in the core.
+  [[nodiscard]] std::string refused() const {
+    for (const char* scheme : {"sim:", "rtl:", "bit:"}) {
+      if (url.rfind(scheme, 0) == 0)
+        return url +
+               ": the node in Python opens virtual boards, and with time=lockstep it publishes /clock "
+               "(node:=node.py); this one cannot. Serve the board in real time, unitylink simulate SPEC.ul "
+               "--tcp 5555, and give this node link:=tcp://127.0.0.1:5555";
+    }
+    return "";
+  }
 };
 
 }  // namespace unitylink
