@@ -162,9 +162,11 @@ def test_wrong_commands_are_refused_by_the_node_in_cpp(ros: Ros, board: MakeBoar
         answer = ros.run("rosservice", "call", "/rig/write", f"{{names: {names}, values: {values}}}")
         assert "success: False" in answer and says in answer
     assert device.registers[0x12] == 0, "nothing of a refused command is written"
-    other = ros.start("rosrun", "rig_unitylink", "node", "__name:=other", "_link:=sim:rig.ul?time=lockstep")
+    workspace = Path(ros.environment["CMAKE_PREFIX_PATH"].split(":")[0])
+    program = workspace / "lib" / "rig_unitylink" / "node"
+    other = ros.start(str(program), "__name:=other", "_link:=sim:rig.ul?time=lockstep")
     assert other.wait(timeout=60) == 1
-    assert "it publishes /clock (node:=node.py); this one cannot" in (ros.folder / "rosrun.log").read_text()
+    assert "it publishes /clock (node:=node.py); this one cannot" in (ros.folder / "node.log").read_text()
 
 
 def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
