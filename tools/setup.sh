@@ -56,6 +56,7 @@ group() {                                 # the stamp makes the second run free
   [ "$stamp" -nt "$lock" ] && return
   pip install --no-compile --require-hashes -r "$lock" \
     || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
+  rm -rf "$venv"/lib/python3*/site-packages/tests   # VUnit's own tests, which would hide ours of this name
   touch "$stamp"
 }
 
