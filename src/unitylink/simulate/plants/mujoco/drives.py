@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from ...components import BoardComponent
 from ...machine import Bridge, Inverter, RcServoData, TurnedBrushless, TurnedMotor
@@ -36,53 +36,63 @@ class Drive(Protocol):
         """Let it push in the next step of the plant as the pins were in the last one, of so many seconds."""
 
 
-class MotorDrive:
+Motor = TypeVar("Motor", TurnedMotor, TurnedBrushless)
+
+
+class WindingsDrive(Generic[Motor]):
+    """A motor whose currents also flow between two steps of the plant, where something looks at its pins."""
+
+    def __init__(self, motor: Motor, axis: Axis, push: Push) -> None:
+        self.motor: Motor = motor
+        self._axis, self._push = axis, push
+        self._looked = False
+
+    def look(self, seconds: float) -> None:
+        """Let the currents flow as the pins were in a part of a step of the plant."""
+        self._flow(seconds)
+        self._looked = True
+
+    def push(self, seconds: float) -> None:
+        if not self._looked:
+            self.look(seconds)
+        self._looked = False
+        self._push.give(self._axis.sign * self.motor.taken_torque_nm())
+
+    def _flow(self, seconds: float) -> None:
+        raise NotImplementedError
+
+
+class MotorDrive(WindingsDrive[TurnedMotor]):
     """A DC motor on a bridge."""
 
     def __init__(self, bridge: Bridge, motor: TurnedMotor, axis: Axis, push: Push) -> None:
-        self._bridge, self.motor, self._axis, self._push = bridge, motor, axis, push
-        self._looked = False
+        super().__init__(motor, axis, push)
+        self._bridge = bridge
 
     @property
     def currents_a(self) -> tuple[float, ...]:
         return (self.motor.current_a,)
 
-    def look(self, seconds: float) -> None:
-        """Let the current flow as the pins were in a part of a step of the plant."""
+    def _flow(self, seconds: float) -> None:
         self.motor.speed_rad_s = self._axis.speed
         self._bridge.drive(self.motor, seconds)
-        self._looked = True
-
-    def push(self, seconds: float) -> None:
-        if not self._looked:
-            self.look(seconds)
-        self._looked = False
-        self._push.give(self._axis.sign * self.motor.taken_torque_nm())
 
 
-class BrushlessDrive:
-    """A brushless motor on an inverter."""
+class BrushlessDrive(WindingsDrive[TurnedBrushless]):
+    """A brushless motor on an inverter. It turns between two steps of the plant, too."""
 
     def __init__(self, inverter: Inverter, motor: TurnedBrushless, axis: Axis, push: Push) -> None:
-        self._inverter, self.motor, self._axis, self._push = inverter, motor, axis, push
-        self._looked = False
+        super().__init__(motor, axis, push)
+        self._inverter = inverter
 
     @property
     def currents_a(self) -> tuple[float, ...]:
         return self.motor.currents_a
 
-    def look(self, seconds: float) -> None:
-        """Let the currents flow as the pins were in a part of a step of the plant. It turns meanwhile."""
+    def _flow(self, seconds: float) -> None:
         if not self._looked:
             self.motor.turn(self._axis.angle, self._axis.speed)
         self._inverter.drive(self.motor, seconds)
-        self._looked = True
-
-    def push(self, seconds: float) -> None:
-        if not self._looked:
-            self.look(seconds)
-        self._looked = False
-        self._push.give(self._axis.sign * self.motor.taken_torque_nm())
 
 
 class ShareDrive:

@@ -9,7 +9,7 @@ from typing import Any
 from unitylink.interface.components import placed_components
 from unitylink.spec.model import Spec
 
-from .drives import BrushlessDrive, Drive, MotorDrive
+from .drives import Drive, WindingsDrive
 from .shown import Shown, ShownAbsolute, ShownCurrents
 
 _QUICK_LOOPS = ("foc",)
@@ -27,7 +27,7 @@ class PinLooks:
 
     def __init__(self, count: int, seconds: float, drives: Sequence[Drive], shown: Sequence[Shown]) -> None:
         self._count, self._seconds = count, seconds
-        self._drives = [one for one in drives if isinstance(one, (BrushlessDrive, MotorDrive))]
+        self._drives = [one for one in drives if isinstance(one, WindingsDrive)]
         self.shown = [one for one in shown if isinstance(one, (ShownCurrents, ShownAbsolute))]
         self._number = 0
 
