@@ -161,6 +161,15 @@ def test_simulated_gateware_has_the_engine_of_the_real_one(link: str) -> None:
     ]
 
 
+def test_simulated_gateware_has_the_slowest_clock_with_which_the_spec_works() -> None:
+    assert rtl_configuration(spec_of(link="BASE_RATE=1 kHz")).clock_hz == 1_000_000
+    small = rtl_configuration(spec_of("@x = 0x4: READ(PUBLISH(100 Hz));", link="ENGINE=small"))
+    assert small.clock_hz == 3_000_000, "it needs 3,000 clocks between two strobes"
+    assert rtl_configuration(spec_of("servos: servo_bus(servos=2);")).clock_hz == 8_000_000
+    with pytest.raises(ValueRangeError, match="8,000,000 Hz"):
+        rtl_configuration(spec_of("servos: servo_bus(servos=2);"), clock_hz=7_000_000)
+
+
 def test_a_virtual_board_tells_the_sizes_of_the_small_engine() -> None:
     with Board(spec_of(link="ENGINE=small")) as board, Link(f"{board.url}?protocol=framed") as link:
         told = link.description

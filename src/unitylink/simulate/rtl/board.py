@@ -21,17 +21,30 @@ from .build import Progress, build_model
 from .design import RtlDesign, RtlModel, design_of
 from .trace import traceable
 
-CLOCK_HZ_DEFAULT = 1_000_000  # an ordinary machine runs this in real time, and it is enough for a robot
+# An ordinary machine runs the first in real time, and it is enough for most robots. The others are for those
+# that have a part with a faster clock of its own.
+CLOCKS_HZ = tuple(mega * 1_000_000 for mega in (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 40, 50))
 
 
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
     """Return the gateware that would be generated, but with a clock that can be simulated in real time.
 
-    Its engine is the one that the gateware would have with its own clock.
+    Without `clock_hz` it is the slowest of CLOCKS_HZ with which the spec works. Its engine is the one that
+    the gateware would have with its own clock. Raises ValueRangeError if the spec works with none.
     """
     quick = {name: value for name, value in overrides.items() if name != "clock_hz"}
-    engine = BoardConfiguration.for_spec(spec, **quick).engine
-    return BoardConfiguration.for_spec(spec, **{"clock_hz": CLOCK_HZ_DEFAULT, **overrides, "engine": engine})
+    quick["engine"] = BoardConfiguration.for_spec(spec, **quick).engine
+    clocks_hz = (overrides["clock_hz"],) if "clock_hz" in overrides else CLOCKS_HZ
+    for clock_hz in clocks_hz:
+        try:
+            made = BoardConfiguration.for_spec(spec, **quick, clock_hz=clock_hz)
+            check_clock(made.components, clock_hz)  # before a build of half a minute
+        except ValueRangeError:
+            if clock_hz == clocks_hz[-1]:
+                raise
+        else:
+            return made
+    raise AssertionError("the last clock returns or raises")
 
 
 class ModelBoard(Board):
@@ -91,10 +104,10 @@ class RtlBoard(ModelBoard):
             link.read(0x88)
 
     The first build takes about half a minute. Later boards come from the cache ($XDG_CACHE_HOME/unitylink).
-    Device time is clocks over `configuration.clock_hz`, by default 1 MHz. Plants are stepped by this time. It
-    follows real time. If the machine is too slow for this, `statistics.time_slipped_s` says how far the board
-    is behind. The byte streams are behind the twin's physical layer, so `fifo`, `baud_hz` and `fifo_latency`
-    have the same effect there.
+    Device time is clocks over `configuration.clock_hz`, by default 1 MHz or what the spec needs. Plants are
+    stepped by this time. It follows real time. If the machine is too slow for this,
+    `statistics.time_slipped_s` says how far the board is behind. The byte streams are behind the twin's
+    physical layer, so `fifo`, `baud_hz` and `fifo_latency` have the same effect there.
 
     Words have one writer, as on an FPGA. A plant sets the words that the PC reads, and the PC sets the
     others.
