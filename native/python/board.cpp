@@ -309,10 +309,7 @@ void bind_board(nb::module_& module) {
             for (const auto& [from, to] : echoes) {
               echoing.push_back({from, to});
             }
-            self.set_plant({period_s, [&self, plant = WordPlant(counting, echoing)](double time_s) {
-                              plant.step(self, time_s);
-                              return true;
-                            }});
+            self.set_plant(period_s, WordPlant(std::move(counting), std::move(echoing)));
           },
           nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
       .def("start",

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <memory>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -13,7 +14,11 @@
 using unitylink::Link;
 using unitylink::Outcome;
 using unitylink::device::Board;
+using unitylink::device::DeviceConfiguration;
+using unitylink::device::Echo;
 using unitylink::device::PlantHook;
+using unitylink::device::Ramp;
+using unitylink::device::WordPlant;
 
 namespace {
 
@@ -34,11 +39,89 @@ struct SteppedDesk {
   }
   [[nodiscard]] Outcome step(std::uint64_t ns) { return link->pass(link->now_ns() + ns); }
 
-  Board board{unitylink::device::DeviceConfiguration{}, unitylink::device::make_endpoint("lockstep", "")};
+  Board board{DeviceConfiguration{}, unitylink::device::make_endpoint("lockstep", "")};
   std::unique_ptr<Link> link;
 };
 
 constexpr std::uint64_t step_ms = 1'000'000;
+
+// A plant of words, and what a client and a program beside it see of its board. A seed chooses what they do.
+struct SeenWords {
+  std::vector<double> times_s;  // of publishes
+  std::vector<std::uint32_t> words;
+  std::uint64_t steps = 0;
+
+  bool operator==(const SeenWords&) const = default;
+};
+
+struct CountingPlant {
+  double period_s;
+  std::vector<Ramp> ramps;
+  std::vector<Echo> echoes;
+
+  // Each step as it would be without any knowledge of the words: with calls from outside.
+  [[nodiscard]] PlantHook each_step(Board& board) const {
+    return {period_s, [this, &board](double time_s) {
+              for (const Ramp& ramp : ramps) {
+                const auto count = static_cast<std::uint64_t>(time_s * ramp.pace_hz) % ramp.span;
+                board.set(ramp.address, static_cast<std::uint32_t>(ramp.low) + static_cast<std::uint32_t>(count));
+              }
+              for (const Echo& echo : echoes) {
+                board.set(echo.to, board.get(echo.from).value);
+              }
+              return true;
+            }};
+  }
+};
+
+SeenWords seen_of(const DeviceConfiguration& configuration, const CountingPlant& plant, bool all_steps, unsigned seed) {
+  SeenWords seen;
+  Board board(configuration, unitylink::device::make_endpoint("lockstep", ""));
+  if (all_steps) {
+    board.set_plant(plant.each_step(board));
+  } else {
+    board.set_plant(plant.period_s, WordPlant(plant.ramps, plant.echoes));
+  }
+  board.start();
+  std::unique_ptr<Link> link;
+  REQUIRE(Link::open(board.url() + "?timeout=1", link).ok());
+  const std::vector<std::uint32_t> published{plant.ramps[0].address, plant.echoes[0].to};
+  std::uint32_t id = 0;
+  REQUIRE(link->subscribe({.addresses = published, .divisor = 7}, id).ok());
+  std::minstd_rand random(seed);
+  for (int turn = 0; turn < 120; ++turn) {
+    const auto number = static_cast<std::uint32_t>(random() >> 3);
+    std::uint32_t word = 0;
+    switch (number % 8) {
+      case 0: CHECK(link->write(plant.echoes[0].from, number, {}).ok()); break;
+      case 1: static_cast<void>(link->write(0x400, 0, {})); break;  // a commit on a TosNet
+      case 2:
+        CHECK(link->read(plant.ramps[number / 8 % plant.ramps.size()].address, word, {}).ok());
+        seen.words.push_back(word);
+        break;
+      case 3:
+        CHECK(link->read(plant.echoes[0].to, word, {}).ok());
+        seen.words.push_back(word);
+        break;
+      case 4:
+        seen.words.push_back(board.get(plant.echoes[0].to).value);
+        seen.words.push_back(board.get(plant.ramps[1].address).value);
+        break;
+      case 5: board.set(plant.ramps[0].address, number); break;
+      case 6: board.set_node(2, number / 8 % 4 != 0); break;
+      default: CHECK(link->pass(link->now_ns() + number % 9'000'000).ok()); break;
+    }
+  }
+  board.set_node(2, true);
+  CHECK(link->pass(link->now_ns() + 20 * step_ms).ok());
+  const std::size_t count = link->available(id);
+  std::vector<std::uint32_t> drained(count * published.size());
+  seen.times_s.resize(count);
+  CHECK(link->drain(id, seen.times_s, drained) == count);
+  seen.words.insert(seen.words.end(), drained.begin(), drained.end());
+  seen.steps = board.statistics().plant_steps;
+  return seen;
+}
 
 }  // namespace
 
@@ -128,4 +211,33 @@ TEST_CASE("a plant that is held goes on as that of another board would have") {
   CHECK(times_s == went_on);
   CHECK(times_s.size() == 3);
   CHECK(desk.read(0x10) == 77);
+}
+
+TEST_CASE("steps of words that nobody can see are left out, and all that is seen is the same") {
+  const CountingPlant plain{0.001, {{0x88, -100, 200, 300.0}, {0x89, 0, 7, 1234.0}}, {{0x8C, 0x8A}}};
+  CountingPlant odd = plain;
+  odd.period_s = 0.00037;
+  DeviceConfiguration memory;
+  DeviceConfiguration line;
+  line.baud_hz = 1'000'000;
+  DeviceConfiguration fast_ring;
+  fast_ring.tosnet.present = true;
+  fast_ring.tosnet.nodes = {{2, 0xFF}};
+  DeviceConfiguration slow_ring = fast_ring;
+  slow_ring.tosnet.cycle_clocks = 137'123;  // longer than the plant's period
+  unsigned seed = 0;
+  for (const DeviceConfiguration& configuration : {memory, line, fast_ring, slow_ring}) {
+    for (const CountingPlant& plant : {plain, odd}) {
+      for (int turn = 0; turn < 3; ++turn) {
+        ++seed;
+        CAPTURE(seed);
+        const SeenWords all = seen_of(configuration, plant, true, seed);
+        const SeenWords few = seen_of(configuration, plant, false, seed);
+        CHECK(few.times_s == all.times_s);
+        CHECK(few.words == all.words);
+        CHECK(few.steps == all.steps);
+        CHECK(all.times_s.size() > 5);
+      }
+    }
+  }
 }

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <thread>
 #include <vector>
@@ -120,15 +121,32 @@ TEST_CASE("a board takes the place of one that was killed, whose link is left be
   ::close(ready[1]);
 }
 
+TEST_CASE("a board whose thread sleeps is up to date for a caller") {
+  Board board(DeviceConfiguration{}, make_endpoint("tcp", "127.0.0.1"));
+  board.set_plant(0.001, WordPlant({{0x10, 0, 1U << 30, 1000.0}}, {{0x10, 0x20}}));
+  board.start();
+  const std::uint32_t first = board.get(0x10).value;
+  std::uint32_t then = first;
+  for (int turn = 0; turn < 10'000 && then < first + 20; ++turn) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    then = board.get(0x10).value;
+  }
+  CHECK(then >= first + 20);
+  const std::uint32_t echo = board.get(0x20).value;
+  CHECK(echo >= then);
+  CHECK(board.time_s() >= echo * 0.001);
+  CHECK(board.statistics().plant_steps >= echo);
+}
+
 TEST_CASE("words that count and words that echo") {
-  Board board(DeviceConfiguration{}, make_endpoint("fd", ""));  // not started, because the test steps it
+  Device device(DeviceConfiguration{});
   const WordPlant plant({{0x10, -3, 6, 10.0}}, {{0x20, 0x21}});
-  board.set(0x20, 77);
+  device.set(0x20, 77);
   std::vector<std::int32_t> seen;
   for (int tick = 0; tick < 14; ++tick) {
-    plant.step(board, tick * 0.1 + 0.05);
-    seen.push_back(static_cast<std::int32_t>(board.get(0x10).value));
+    plant.step(device, tick * 0.1 + 0.05);
+    seen.push_back(static_cast<std::int32_t>(device.get(0x10).value));
   }
   CHECK(seen == std::vector<std::int32_t>{-3, -2, -1, 0, 1, 2, -3, -2, -1, 0, 1, 2, -3, -2});
-  CHECK(board.get(0x21).value == 77);
+  CHECK(device.get(0x21).value == 77);
 }

@@ -133,6 +133,15 @@ void AddressMap::block(bool held, Clock now) {
   }
 }
 
+Clock AddressMap::settles(std::uint32_t address) const noexcept {
+  for (const Region& at : regions_) {
+    if (at.range.first <= address && address <= at.range.last) {
+      return at.slave->settles(address - at.range.first);
+    }
+  }
+  return never;
+}
+
 Clock AddressMap::next_clock() const noexcept {
   Clock next = never;
   for (const Bus* slave : timed_) {

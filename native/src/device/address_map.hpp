@@ -32,6 +32,7 @@ class AddressMap final : public Bus {
     observer_ = std::move(observer);
   }
 
+  [[nodiscard]] Clock settles(std::uint32_t address) const noexcept override;
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;
 

@@ -41,13 +41,6 @@ Board::~Board() {
   ::close(wake_);
 }
 
-void Board::set_plant(PlantHook hook) {
-  const auto lock = enter();
-  plant_ = std::move(hook);
-  plant_period_ = std::max<Clock>(1, static_cast<Clock>(std::llround(plant_.period_s * configuration().clock_hz)));
-  plant_next_ = plant_.step ? 0 : never;
-}
-
 void Board::start() {
   const bool in_steps = endpoint_->listen(this);
   RobotTime::here().claim(in_steps);
@@ -96,7 +89,7 @@ std::uint64_t Board::robot_ns(Clock clock) const noexcept {
 }
 
 // Reports when the next work of this board is due. The other boards need not wait until then.
-void Board::tell_due() { follower_.due(robot_ns(std::min(device_->next_event(), plant_next_))); }
+void Board::tell_due() { follower_.due(robot_ns(std::min(device_->next_event(), plant_due()))); }
 
 std::unique_lock<std::mutex> Board::enter() {
   board_waits_.wait(true);
@@ -106,6 +99,9 @@ std::unique_lock<std::mutex> Board::enter() {
   callers_.notify_one();
   if (in_steps_) {
     catch_up();
+  } else if (leaves_out_ && start_ns_ > 0 && !stop_) {  // its thread may sleep. What is due is left to it
+    const Clock event = device_->next_event();
+    run_to_plant(std::min(within_reach(clock_now()), event - std::min<Clock>(event, 1)));
   }
   return lock;
 }
@@ -165,7 +161,7 @@ void Board::end() {
 
 // Returns `target`, or an earlier time if the other boards have waited too long for this one. So work cannot pile up.
 Clock Board::in_time(Clock target) {
-  const Clock due = std::min(plant_next_, device_->next_event());
+  const Clock due = std::min(plant_due(), device_->next_event());
   const Clock lag_most = whole_clocks(lag_most_ns, configuration().clock_hz);
   if (due == never || target <= due + lag_most) {
     return target;
@@ -182,25 +178,6 @@ Clock Board::within_reach(Clock target) const noexcept {
   return target > clock && target - clock > device_->most_at_once() ? clock + device_->most_at_once() : target;
 }
 
-void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
-  while (plant_next_ <= until && !stop_) {
-    device_->run_until(plant_next_);
-    flush();
-    const double time_s = static_cast<double>(plant_next_ + plant_offset_) / configuration().clock_hz;
-    plant_next_ += plant_period_;
-    plant_steps_now_ = true;
-    lock.unlock();
-    const bool goes_on = plant_.step(time_s);
-    come_back(lock);
-    plant_steps_now_ = false;
-    ++statistics_.plant_steps;
-    if (!goes_on) {
-      plant_next_ = never;
-    }
-    tell_due();
-  }
-}
-
 // Waits for the time of the next work, for the client and for wake(). False: only the time has come, so that the
 // endpoint need not be asked.
 bool Board::wait(std::unique_lock<std::mutex>& lock) {
@@ -215,7 +192,7 @@ bool Board::wait(std::unique_lock<std::mutex>& lock) {
     const short wanted = static_cast<short>((more ? POLLIN : 0) | (output_blocked_ ? POLLOUT : 0));
     polled[count++] = {client, wanted, 0};
   }
-  Clock next = std::min(device_->next_event(), plant_next_);
+  Clock next = std::min(device_->next_event(), plant_due());
   if (!output_blocked_) {
     next = std::min(next, device_->next_output());
   }

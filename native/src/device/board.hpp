@@ -16,6 +16,7 @@
 #include "device/endpoint.hpp"
 #include "device/served_device.hpp"
 #include "device/tosnet.hpp"
+#include "device/word_plant.hpp"
 #include "layer0_driver/lockstep.hpp"
 #include "layer0_driver/robot_time.hpp"
 
@@ -32,8 +33,8 @@ struct BoardStatistics {
   DeviceStatistics device;
   std::uint64_t clients = 0;        // clients so far
   std::uint64_t bytes_dropped = 0;  // bytes published without a client
-  std::uint64_t plant_steps = 0;
-  double time_slipped_s = 0;  // how late the device clock is because the machine was too busy
+  std::uint64_t plant_steps = 0;    // with those that were left out
+  double time_slipped_s = 0;        // how late the device clock is because the machine was too busy
 };
 
 // An output pin of a component, since the board was made.
@@ -56,6 +57,9 @@ class Board : private Lockstep::Member {
   ~Board() override;
 
   void set_plant(PlantHook hook);  // before start(), or after begin_anew()
+  // A plant of words. Where its words settle, it makes only the steps that can be seen, and the thread sleeps
+  // meanwhile.
+  void set_plant(double period_s, WordPlant words);
   // With the endpoint "lockstep" it has no thread: whoever waits at a link runs it. Throws TimeConflict.
   void start();
   [[nodiscard]] bool in_steps() const noexcept { return in_steps_; }
@@ -128,7 +132,14 @@ class Board : private Lockstep::Member {
   [[nodiscard]] Clock next_clock() const noexcept;
   [[nodiscard]] Clock in_time(Clock target);
   [[nodiscard]] Clock within_reach(Clock target) const noexcept;
+  // the plant (board_plant.cpp)
+  void begin_plant(double period_s);
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
+  void step_words(Clock until);
+  [[nodiscard]] Clock seen_step(Clock until) const noexcept;
+  void go_on_to(Clock step) noexcept;
+  [[nodiscard]] Clock plant_due() const noexcept { return leaves_out_ ? never : plant_next_; }
+  void run_to_plant(Clock until);
   [[nodiscard]] bool wait(std::unique_lock<std::mutex>& lock);
   // the client (board_client.cpp)
   static constexpr std::size_t chunk_bytes = 16384;  // of output at once
@@ -147,6 +158,9 @@ class Board : private Lockstep::Member {
   std::unique_ptr<ServedDevice> device_;
   std::unique_ptr<Endpoint> endpoint_;
   PlantHook plant_;
+  std::optional<WordPlant> words_;  // in place of plant_
+  Clock settle_ = never;            // of these words
+  bool leaves_out_ = false;         // the plant makes only the steps that can be seen
   Clock plant_period_ = 0;
   Clock plant_next_ = never;
   Clock plant_offset_ = 0;  // from the device's clock to the plant's, which may have begun in another board

@@ -38,7 +38,7 @@ bool Board::feed() {
   if (taken.result != Endpoint::Result::done) {
     return false;
   }
-  device_->run_until(std::min(within_reach(clock_now()), plant_next_));  // not past the next step of the plant
+  run_to_plant(within_reach(clock_now()));
   for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
     device_->receive(byte);
   }

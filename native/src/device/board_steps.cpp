@@ -16,7 +16,7 @@ constexpr std::size_t output_most = 1024;
 
 // When the device does something by itself, or something comes out of it.
 Clock Board::next_clock() const noexcept {
-  const Clock next = std::min(device_->next_event(), plant_next_);
+  const Clock next = std::min(device_->next_event(), plant_due());
   return output_blocked_ ? next : std::min(next, device_->next_output());
 }
 
@@ -31,7 +31,7 @@ void Board::take_in() noexcept {
   const std::scoped_lock lock(mutex_);
   bool more = !stop_;
   if (more) {
-    device_->run_until(std::min(clock_now(), plant_next_));
+    run_to_plant(clock_now());
   }
   while (more) {
     if (endpoint_->admit(at_rest_)) {
@@ -51,7 +51,7 @@ void Board::catch_up() {
   const std::uint64_t now_ns = RobotTime::here().now_ns();
   if (now_ns != caught_up_ns_ && !stop_) {
     caught_up_ns_ = now_ns;
-    device_->run_until(std::min(clock_now(), plant_next_));
+    run_to_plant(clock_now());
   }
 }
 
@@ -60,16 +60,20 @@ void Board::work(std::uint64_t until_ns) noexcept {
   const Clock until = whole_clocks(until_ns - start_ns_, configuration().clock_hz);
   bool whole = false;
   do {
-    const Clock stop = std::min(plant_next_, until);
+    const Clock step = seen_step(until);
+    const Clock stop = std::min(step, until);
     if (output_blocked_) {
       device_->run_until(std::min(stop, std::max(device_->clock(), device_->next_event())));
     } else {
       device_->run_to_output(stop);
     }
     RobotTime::here().step_to(start_ns_ + nanoseconds_up(device_->clock(), configuration().clock_hz));
-    if (plant_next_ <= device_->clock()) {
+    if (step <= device_->clock()) {
+      go_on_to(step);
       step_plant(lock, device_->clock());
-      break;  // it may have moved something at other boards
+      if (!leaves_out_) {
+        break;  // it may have moved something at other boards
+      }
     }
     whole = gather() && (at_rest_ || output_.size() >= output_most);  // a message goes out as a whole, in one call
   } while (!whole && device_->clock() < until);
@@ -106,25 +110,6 @@ BusStatus Board::write(std::uint32_t address, std::uint32_t value) {
   const BusStatus status = device_->write(address, value);
   wake();
   return status;
-}
-
-Board::PlantPhase Board::plant_phase() {
-  const auto lock = enter();
-  return plant_next_ == never ? PlantPhase{} : PlantPhase{plant_next_ + plant_offset_, plant_next_ - device_->clock()};
-}
-
-void Board::hold_plant() {
-  const auto lock = enter();
-  plant_next_ = never;
-}
-
-void Board::release_plant(const PlantPhase& phase) {
-  const auto lock = enter();
-  if (plant_.step && phase.clock != never) {
-    plant_next_ = device_->clock() + phase.wait;
-    plant_offset_ = phase.clock - plant_next_;
-    wake();
-  }
 }
 
 }  // namespace unitylink::device

@@ -30,6 +30,9 @@ class Bus {
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
   // Sets a word as it was in another board: also one that only the PC writes, or that a commit hides.
   virtual BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) { return set(address, value, now); }
+  // A word that keeps what `set` gave it, and lets nothing happen: the clocks until this is all that can be seen of the
+  // word, whatever was set before. never: it is no such word.
+  [[nodiscard]] virtual Clock settles(std::uint32_t /*address*/) const noexcept { return never; }
   // When advance() has something to do without an access.
   [[nodiscard]] virtual Clock next_clock() const noexcept { return never; }
   virtual void advance(Clock /*now*/) {}

@@ -55,6 +55,7 @@ class Device final : public ServedDevice {
   [[nodiscard]] AddressMap& bus() noexcept { return bus_; }
   BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
   BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }
+  [[nodiscard]] Clock settles(std::uint32_t address) const noexcept override { return bus_.settles(address); }
   BusStatus preset(std::uint32_t address, std::uint32_t value) override { return bus_.preset(address, value, clock_); }
   BusStatus write(std::uint32_t address, std::uint32_t value) override { return bus_.write(address, value, clock_); }
   [[nodiscard]] Tosnet* tosnet() noexcept override { return bus_.tosnet(); }

@@ -44,6 +44,7 @@ class Memory final : public Bus {
 
   BusReply get(std::uint32_t address, Clock now) override { return read(address, now); }
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override { return write(address, value, now); }
+  [[nodiscard]] Clock settles(std::uint32_t) const noexcept override { return 0; }
 
  private:
   using Page = std::array<std::uint32_t, page_words>;

@@ -67,6 +67,8 @@ class ServedDevice {
   virtual BusReply get(std::uint32_t address) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value) = 0;
   virtual BusStatus preset(std::uint32_t, std::uint32_t) { return BusStatus::error; }  // as Bus::preset: the twin
+  // As Bus::settles: the twin, whose words are seen at next_event() only.
+  [[nodiscard]] virtual Clock settles(std::uint32_t) const noexcept { return never; }
   // Writes as the dead-man does: the twin. That of compiled gateware is its own.
   virtual BusStatus write(std::uint32_t, std::uint32_t) { return BusStatus::error; }
   [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network, if it is a model

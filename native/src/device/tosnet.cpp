@@ -214,6 +214,10 @@ BusStatus Tosnet::preset(std::uint32_t address, std::uint32_t value, Clock now) 
   return BusStatus::ok;
 }
 
+Clock Tosnet::settles(std::uint32_t address) const noexcept {
+  return address < map::memory_words ? configuration_.cycle_clocks : never;
+}
+
 void Tosnet::exchange(Clock now) {
   if (exchanged_) {
     exchanged_(now);

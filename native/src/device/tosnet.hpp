@@ -69,6 +69,7 @@ class Tosnet final : public Bus {
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
   BusStatus preset(std::uint32_t address, std::uint32_t value, Clock now) override;
+  [[nodiscard]] Clock settles(std::uint32_t address) const noexcept override;  // with the next cycle
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;
 

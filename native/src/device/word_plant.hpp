@@ -2,12 +2,13 @@
 // The default plants of a board: words that count, and words that echo.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "device/board.hpp"
+#include "device/served_device.hpp"
 
 namespace unitylink::device {
 
@@ -29,16 +30,28 @@ class WordPlant {
  public:
   WordPlant(std::vector<Ramp> ramps, std::vector<Echo> echoes) : ramps_(std::move(ramps)), echoes_(std::move(echoes)) {}
 
-  void step(Board& board, double time_s) const {
+  void step(ServedDevice& device, double time_s) const {
     for (const Ramp& ramp : ramps_) {
       const double count = std::fmod(std::floor(time_s * ramp.pace_hz), ramp.span);
-      board.set(ramp.address, static_cast<std::uint32_t>(ramp.low) + static_cast<std::uint32_t>(count));
+      device.set(ramp.address, static_cast<std::uint32_t>(ramp.low) + static_cast<std::uint32_t>(count));
     }
     for (const Echo& echo : echoes_) {
-      if (const BusReply word = board.get(echo.from); word.status == BusStatus::ok) {
-        board.set(echo.to, word.value);
+      if (const BusReply word = device.get(echo.from); word.status == BusStatus::ok) {
+        device.set(echo.to, word.value);
       }
     }
+  }
+
+  // ServedDevice::settles() of all its words.
+  [[nodiscard]] Clock settles(const ServedDevice& device) const noexcept {
+    Clock longest = 0;
+    for (const Ramp& ramp : ramps_) {
+      longest = std::max(longest, device.settles(ramp.address));
+    }
+    for (const Echo& echo : echoes_) {
+      longest = std::max({longest, device.settles(echo.from), device.settles(echo.to)});
+    }
+    return longest;
   }
 
  private:

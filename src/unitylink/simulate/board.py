@@ -37,8 +37,8 @@ class BoardStatistics:
     """Counters since the board was made.
 
     `overruns` counts bytes lost at a full receive FIFO. `bytes_dropped` counts bytes published while no
-    client was there. `time_slipped_s` is how far the device clock is behind the real one because the machine
-    was too busy.
+    client was there. `plant_steps` counts the steps that were left out because nobody could see them, too.
+    `time_slipped_s` is how far the device clock is behind the real one because the machine was too busy.
     """
 
     bytes_received: int
