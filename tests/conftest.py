@@ -85,10 +85,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     What its tests share is imported, compiled and opened only there. Tests that share something with those of
     another file keep their own group.
     """
+    marks: dict[Path, pytest.MarkDecorator | None] = {}  # of each file
     for item in items:
-        whole = any(item.path.is_relative_to(folder) for folder in WHOLE_FILES)
-        if whole and item.get_closest_marker("xdist_group") is None:
-            item.add_marker(pytest.mark.xdist_group(str(item.path.relative_to(ROOT))))
+        if item.path not in marks:
+            whole = any(item.path.is_relative_to(folder) for folder in WHOLE_FILES)
+            marks[item.path] = pytest.mark.xdist_group(str(item.path.relative_to(ROOT))) if whole else None
+        mark = marks[item.path]
+        if mark is not None and item.get_closest_marker("xdist_group") is None:
+            item.add_marker(mark)
 
 
 def pytest_collection_finish() -> None:

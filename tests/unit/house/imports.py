@@ -7,6 +7,7 @@ Nested imports and imports for types count too.
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from functools import cache
 from pathlib import PurePosixPath
 
@@ -29,12 +30,22 @@ def modules() -> dict[str, PurePosixPath]:
 MODULES = modules()
 
 
+def statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield each statement, however deeply nested, and none of their expressions."""
+    within = [tree]
+    while within:
+        node = within.pop()
+        yield node
+        for block in ("body", "handlers", "orelse", "finalbody", "cases"):
+            within += getattr(node, block, ())
+
+
 @cache
 def imported(path: PurePosixPath) -> list[tuple[int, str]]:
     """Return (line, module) for every module of ours that a file imports, however deeply nested."""
     found = []
     package = ("unitylink", *path.parent.parts)
-    for node in ast.walk(ast.parse(text(PACKAGE / path))):
+    for node in statements(ast.parse(text(PACKAGE / path))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):

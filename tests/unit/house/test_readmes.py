@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from fnmatch import fnmatch
+from functools import cache
 from pathlib import PurePosixPath
 
 from unit.house.files import files, text
@@ -36,10 +38,19 @@ def pages() -> list[PurePosixPath]:
     return found
 
 
+@cache
+def folders() -> dict[PurePosixPath, set[str]]:
+    """Return the names of the files and folders in each folder."""
+    entries = defaultdict(set)
+    for file in files():
+        for inner, folder in zip((file, *file.parents), file.parents, strict=False):
+            entries[folder].add(inner.name)
+    return entries
+
+
 def unnamed(page: PurePosixPath) -> list[str]:
     """Return the entries of the page's folder that it does not name."""
-    folder = page.parent
-    entries = {file.relative_to(folder).parts[0] for file in files() if file.is_relative_to(folder)}
+    entries = folders()[page.parent]
     told = words(page)
     return [
         entry

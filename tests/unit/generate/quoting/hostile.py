@@ -14,7 +14,7 @@ import random
 import re
 import sys
 import time
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from itertools import chain, count
@@ -273,15 +273,15 @@ def placed(place: str, payload: str) -> str | None:
     return payload if any(c.isprintable() and not c.isspace() for c in payload) else f"a{payload}b"
 
 
-def files_of(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return all generated files of the spec with these texts.
+def files_of(texts: Mapping[str, str], artefacts: Iterable[str] = ARTEFACTS) -> dict[str, str]:
+    """Return the generated files of these artefacts of the spec with these texts.
 
     Raises UnityLinkError if a text is refused.
     """
     result = compile_text(spec_text(texts), texts.get("file", "arm.ul"))
     if result.spec is None:
         raise SpecError(render(result.diagnostics))
-    return {f"{a}:{name}": text for a in ARTEFACTS for name, text in generate(result.spec, a).items()}
+    return {f"{a}:{name}": text for a in artefacts for name, text in generate(result.spec, a).items()}
 
 
 @cache
@@ -290,12 +290,13 @@ def benign() -> tuple[dict[str, str], dict[str, Hashable]]:
     return files, {name: structure(name, text) for name, text in files.items()}
 
 
-def check(texts: Mapping[str, str]) -> dict[str, str]:
+def check(texts: Mapping[str, str], artefacts: Iterable[str] = ARTEFACTS) -> dict[str, str]:
     """Return the files. Raises Broken unless every file has the structure of its benign twin."""
     plain, structures = benign()
-    files = files_of(texts)
-    if files.keys() != plain.keys():
-        raise Broken(f"other files: {files.keys() ^ plain.keys()}")
+    files = files_of(texts, artefacts)
+    expected = {name for name in plain if name.partition(":")[0] in artefacts}
+    if files.keys() != expected:
+        raise Broken(f"other files: {files.keys() ^ expected}")
     for name, text in files.items():
         if text != plain[name] and structure(name, text) != structures[name]:
             raise Broken(f"{name} has another structure")

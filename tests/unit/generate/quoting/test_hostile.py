@@ -46,31 +46,31 @@ def test_hostile_specs_have_the_structure_of_benign_ones(turn: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("language", "function"),
+    ("language", "function", "artefact", "payload"),
     [
-        (Python, "text"),
-        (Python, "said"),
-        (Cpp, "text"),
-        (Matlab, "text"),
-        (Matlab, "remark"),
-        (Rust, "text"),
-        (Rust, "remark"),
-        (Yaml, "text"),
-        (Xacro, "text"),
-        (Message, "remark"),
-        (Vhdl, "remark"),
+        (Python, "text", "python", '"'),
+        (Python, "said", "python", '"'),
+        (Cpp, "text", "cpp", '"'),
+        (Matlab, "text", "matlab", '"'),
+        (Matlab, "remark", "matlab", "\n"),
+        (Rust, "text", "rust", '"'),
+        (Rust, "remark", "rust", "\n"),
+        (Yaml, "text", "ros2", '"'),
+        (Xacro, "text", "ros2", '"'),
+        (Message, "remark", "ros2", "*/"),
+        (Vhdl, "remark", "vhdl", "\n"),
     ],
 )
 def test_one_place_without_quotes_is_seen(
-    language: type[Python], function: str, monkeypatch: pytest.MonkeyPatch
+    language: type[Python], function: str, artefact: str, payload: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The proof that the comparison finds something: each quoting function, when it quotes nothing, gives
     another structure.
     """
+    check(everywhere(payload), [artefact])
     monkeypatch.setattr(language, function, classmethod(lambda cls, text: cls(text)))
     with pytest.raises(Broken):
-        for payload in ('"', "\n", '" x "', "*/", "${x}", '"""; x; """', ": -", "\n-", "> x"):
-            check(everywhere(payload))
+        check(everywhere(payload), [artefact])
 
 
 @pytest.mark.parametrize(
