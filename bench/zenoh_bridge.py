@@ -71,6 +71,7 @@ class Processes:
 
     def __init__(self, stack: ExitStack) -> None:
         self._stack = stack
+        self.pids: list[int] = []
 
     def start(self, *words: str) -> str:
         """Start one, and return its first line."""
@@ -80,6 +81,7 @@ class Processes:
             )
         )
         self._stack.callback(one.send_signal, signal.SIGTERM)
+        self.pids.append(one.pid)
         assert one.stdout is not None
         return one.stdout.readline()
 

@@ -28,6 +28,7 @@ void bind_bus(nanobind::module_& module);
 void bind_component(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);
 void bind_server(nanobind::module_& module);
+void bind_samples(nanobind::module_& module);
 
 // Releases the GIL as long as it exists. If the process ends meanwhile, Python would end this thread by unwinding its
 // stack, and C++ would then call abort(). So the thread waits here until the process is gone.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "layer2_message/send_limit.hpp"
 #include "link_arguments.hpp"
 
 namespace unitylink::python {
@@ -64,6 +65,9 @@ void bind_line(nb::class_<Link>& link) {
       .def_prop_ro("trouble", &trouble)
       .def_prop_ro("generation", &Link::generation)
       .def_prop_ro("now_ns", &Link::now_ns)
+      .def_static("limit_sending", &limit_sending, "before_ns"_a,
+                  "From now on, what this thread asks of framed links is not sent at or after `before_ns` of the "
+                  "system's monotonic clock. 0: no limit. Returns the limit until now.")
       .def_prop_ro("in_steps", &Link::in_steps)
       .def(
           "pass_until",

@@ -13,4 +13,5 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_component(module);
   unitylink::python::bind_faults(module);
   unitylink::python::bind_server(module);
+  unitylink::python::bind_samples(module);
 }

@@ -249,3 +249,51 @@ TEST_CASE("a request whose long answer was lost is given up, and the session goe
   }
   CHECK(next.status == Status::ok);
 }
+
+TEST_CASE("no copy of a write is sent from the moment on at which it expires") {
+  Wire wire;
+  Exchange opening = reading(1);
+  wire.submit(opening);
+  wire.settle();
+  Exchange write = writing(0x10, 7);
+  write.attempts_max = 10;
+  write.expires_ns = wire.now + 20 * ms;
+  wire.submit(write);
+  std::vector<std::uint32_t> executed;
+  Status status = Status::unknown;
+
+  SUBCASE("it is sent in time") {
+    wire.now += 20 * ms - 1;
+    wire.settle();
+    status = Status::ok;
+    executed = {7};
+  }
+  SUBCASE("it was not sent before") {
+    wire.now += 20 * ms;  // its thread was held up, and sends before it looks for what is late
+    wire.settle();
+    status = Status::timeout;
+    CHECK(!write.sent);
+  }
+  SUBCASE("its first copy was lost, and the line takes no other one until later") {
+    REQUIRE(wire.sent().size() == 1);
+    wire.wait(15 * ms);
+    wire.now += 5 * ms;
+    wire.settle();
+  }
+  SUBCASE("two copies were lost") {
+    REQUIRE(wire.sent().size() == 1);
+    wire.wait(15 * ms);
+    REQUIRE(wire.sent().size() == 1);
+    wire.wait(5 * ms);
+    wire.settle();
+  }
+  REQUIRE(write.done());
+  CHECK(write.status == status);
+  CHECK(wire.written == executed);
+  Exchange next = writing(0x10, 8);
+  wire.submit(next);
+  wire.settle();
+  executed.push_back(8);
+  CHECK(next.status == Status::ok);
+  CHECK(wire.written == executed);
+}

@@ -95,6 +95,7 @@ struct Exchange {
   std::span<std::uint8_t> answer;      // forward: room for exactly what follows `posts` in a successful reply
   std::uint64_t timeout_ns = 0;        // per attempt
   std::uint32_t attempts_max = 1;      // 0 once the caller has given it up
+  std::uint64_t expires_ns = 0;        // framed: from then on no copy of it is sent; 0: no such time
   Batch* batch = nullptr;
   PublishRing* ring = nullptr;                    // for a group: gets its publishes from now on
   void* owner = nullptr;                          // for on_done
@@ -118,6 +119,7 @@ struct Exchange {
   std::uint64_t ended_ns = 0;
 
   [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
+  [[nodiscard]] bool expired(std::uint64_t now_ns) const noexcept { return expires_ns != 0 && now_ns >= expires_ns; }
   // Its status if it is not sent (again).
   [[nodiscard]] Status cut_off() const noexcept {
     return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout;

@@ -154,6 +154,9 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
   const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
   switch (exchange.status) {
     case Status::timeout:
+      if (!exchange.sent && exchange.expired(exchange.ended_ns)) {
+        return name + " not sent: its time was over" + heard;
+      }
       return name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " +
              attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
     case Status::unknown:

@@ -162,6 +162,9 @@ bool FramedEngine::send_due() noexcept {
         (place.exchange != nullptr && place.unbound && posts_.sent() < place.exchange->follows_)) {
       continue;
     }
+    if (place.exchange != nullptr && place.exchange->expired(now_ns_)) {
+      give_up(place);  // what is sent now is a SYNC, after which the device executes no earlier copy
+    }
     const std::size_t size = encode(place);
     if (size == 0) {
       return false;
@@ -206,6 +209,10 @@ bool FramedEngine::send_request() noexcept {
   }
   if (exchange.batch != nullptr && exchange.batch->failed) {
     finish(waiting_.pop_front(), exchange.left_out());
+    return true;
+  }
+  if (exchange.expired(now_ns_)) {
+    finish(waiting_.pop_front(), Status::timeout);
     return true;
   }
   if (exchange.operation == Operation::exchange && restoring()) {

@@ -234,7 +234,9 @@ std::uint64_t FramedEngine::limit_of(const Exchange& exchange) const noexcept {
     return exchange.limit_ns_;
   }
   const std::uint64_t attempts = std::max(1u, exchange.attempts_max);
-  return std::max(exchange.begun_ns, progress_ns_) + exchange.timeout_ns * attempts + message_allowance_ns();
+  const std::uint64_t limit =
+      std::max(exchange.begun_ns, progress_ns_) + exchange.timeout_ns * attempts + message_allowance_ns();
+  return exchange.expires_ns == 0 ? limit : std::min(limit, exchange.expires_ns);
 }
 
 std::uint64_t FramedEngine::next_deadline_ns() const noexcept {

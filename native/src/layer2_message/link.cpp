@@ -228,7 +228,8 @@ void Link::flush(std::uint64_t now) noexcept {
          in_words([&] { return "the program gave no sign of life for " + duration_text(program_patience_ns_); }));
   }
   while (!engine_->ended() && line_ != Line::gone) {
-    const std::span<const std::uint8_t> bytes = engine_->transmit(now);
+    // the clock is read here, and not earlier: a request may have a time after which it must not be sent
+    const std::span<const std::uint8_t> bytes = engine_->transmit(std::max(now, now_ns()));
     if (bytes.empty()) {
       return;
     }

@@ -5,6 +5,7 @@
 
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link.hpp"
+#include "layer2_message/send_limit.hpp"
 
 namespace unitylink {
 namespace {
@@ -28,6 +29,10 @@ void Link::prepare(Exchange& exchange, const RequestOptions& how) const noexcept
   exchange.repeat = how.repeat;
   exchange.timeout_ns = how.timeout_ns;
   exchange.attempts_max = options_.attempts;
+  if (const std::uint64_t limit = sending_limit(); limit != 0) {
+    const std::uint64_t now = now_ns();  // the link's own time may be another one. It is read first: rather too early
+    exchange.expires_ns = std::max<std::uint64_t>(1, now + limit - std::min(real_ns(), limit));
+  }
 }
 
 Outcome Link::check_address(std::uint32_t address, std::size_t index) const {

@@ -22,6 +22,7 @@ from .events import LinkEvent
 from .exchange_group import ExchangeGroup
 from .link import Link
 from .native_link import Times, Words, check_url
+from .send_limit import sent_before
 from .subscription import PublishCallback, Subscription
 
 __all__ = [
@@ -41,4 +42,5 @@ __all__ = [
     "Times",
     "Words",
     "check_url",
+    "sent_before",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 import warnings
 from collections.abc import Callable
 from math import inf
@@ -151,6 +152,7 @@ class CallbackThread:
         seen = 0
         for subscription in self._subscriptions:
             subscription.deliver()  # called first, because no publish wakes the thread for it
+        round_s = time.monotonic()
         while True:
             before, seen = seen, self._native.wait_publishes(seen, _PATIENCE_NS)
             over = seen == before and self._native.closed  # after news at the end, there is one more round
@@ -160,7 +162,10 @@ class CallbackThread:
             for subscription in [each for each in subscriptions if each.ended]:
                 subscription.deliver()  # the subscription has ended, so nothing more can come
                 self.remove(subscription)
+            last_s, round_s = round_s, time.monotonic()
             rest_s = self._rest_s()
+            if round_s - last_s > 2 * rest_s:
+                rest_s = 0.0  # publishes come so rarely that a rest would gather none
             if over or rest_s or not self._subscriptions:
                 with self._changed:
                     if over or not self._subscriptions:

@@ -74,6 +74,7 @@ class FarBridge:
         self._open: set[int] = set()
         self._boards: set[str] = set()  # whose tokens are there
         self._look = threading.Condition()
+        self._half = False  # whether what belongs to the greeting is not complete
         self._doubt = False  # whether the keeper has to look at once
         self._token: zenoh.LivelinessToken | None = None
         self._answered_generation = 0
@@ -110,6 +111,12 @@ class FarBridge:
             raise LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
         if self.trouble:
             raise LinkDown(f"{self.options.url}: {self.trouble}")
+
+    def greet_again(self) -> None:
+        """Say hello anew, as a new client: something of the last greeting did not get through."""
+        with self._look:
+            self._half = True
+            self._look.notify_all()
 
     # ---- requests
 
@@ -334,6 +341,7 @@ class FarBridge:
         while not self.closed:
             with self._look:
                 boards, self._doubt = set(self._boards), False
+                greeted, self._half = greeted and not self._half, False
             if boards == {self.bridge} and greeted:
                 if self.trouble:  # another robot of the name has gone
                     self._tell("")
@@ -353,7 +361,7 @@ class FarBridge:
             else:
                 greeted = self._greet_again("the board is back, and is being greeted")
             with self._look:
-                if boards == self._boards and not self.closed and not self._doubt:
+                if boards == self._boards and not (self.closed or self._doubt or self._half):
                     self._look.wait(_CLOCK_S if greeted else _PAUSE_S * 5)
 
     def _greet_again(self, why: str) -> bool:

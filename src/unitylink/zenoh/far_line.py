@@ -16,7 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from unitylink import protocol as p
-from unitylink.errors import DeviceMismatch, LinkClosed, ProtocolError, UnityLinkError, ValueRangeError
+from unitylink.errors import (
+    DeviceMismatch,
+    LinkClosed,
+    LinkDown,
+    LinkTimeout,
+    OutcomeUnknown,
+    ProtocolError,
+    UnityLinkError,
+    ValueRangeError,
+)
 
 from .far_bridge import FarBridge, flags_of
 from .far_groups import FarGroup, FarGroups
@@ -347,6 +356,9 @@ class FarLine:
                 for number in list(self._subscribers):
                     try:
                         self._join(number, self.groups.get(number))
+                    except (LinkTimeout, OutcomeUnknown, LinkDown):
+                        self.bridge.greet_again()
+                        break
                     except UnityLinkError as error:
                         self._events.append(("lost", self.now_s(), f"a subscription has ended: {error}"))
         self._tell()

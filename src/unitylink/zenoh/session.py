@@ -6,7 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from unitylink.errors import LinkNotFound
 from unitylink.zenoh_session import open_session
+
+from .sockets import close_without_waiting
 
 if TYPE_CHECKING:
     import zenoh
@@ -14,7 +17,12 @@ if TYPE_CHECKING:
 ROUTER = "tcp/127.0.0.1:7447"
 LEASE_MS = 800  # a peer that is silent for so long is gone
 _BURST = 16  # set-points, at most: each goes alone, and one for which there is no room is dropped
-_OPEN_MS = 2000  # TCP would wait up to 8 s between two attempts, and not notice that the way is whole again
+# TCP waits 1 s, and more each time, before it asks again for a connection. So an attempt without an answer is
+# given up early, and the next one asks at once.
+_OPEN_MS = 500
+_PAUSE_MS = 100  # between two attempts
+_ROUTER_OPEN_MS = 1000  # from a router to another one, which may be far away
+_SLOW_OPEN_MS = 5000  # if the first attempts were all too short
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
 
@@ -38,22 +46,38 @@ class Network:
         else:
             where = self.connect or self.config or ROUTER
             unreachable = f"no Zenoh router answers at {where}: is it running, or `unitylink bridge zenoh`?"
-        return open_session(
-            self.config,
-            self._settings(),
-            use="a Zenoh network",
-            source=self.config or self.listen or self.connect,
-            unreachable=unreachable,
-        )
 
-    def _settings(self) -> dict[str, Any]:
+        def opened(settings: dict[str, Any]) -> zenoh.Session:
+            session = open_session(
+                self.config,
+                settings,
+                use="a Zenoh network",
+                source=self.config or self.listen or self.connect,
+                unreachable=unreachable,
+            )
+            close_without_waiting(session)
+            return session
+
+        try:
+            return opened(self._settings(_ROUTER_OPEN_MS if self.listen else _OPEN_MS))
+        except LinkNotFound:
+            if self.listen:
+                raise
+            # one attempt that may take long, for a network whose answers take longer than a short one
+            return opened({**self._settings(_SLOW_OPEN_MS), "connect/timeout_ms": 0})
+
+    def _settings(self, open_ms: int) -> dict[str, Any]:
         settings: dict[str, Any] = {
             "transport/link/tx/lease": LEASE_MS,
             "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
             "transport/link/tx/queue/size/interactive_high": _BURST,
             "transport/shared_memory/enabled": False,
-            "transport/unicast/open_timeout": _OPEN_MS,
-            "connect/retry": {"period_init_ms": 100, "period_max_ms": 250, "period_increase_factor": 1.5},
+            "transport/unicast/open_timeout": open_ms,
+            "connect/retry": {
+                "period_init_ms": _PAUSE_MS,
+                "period_max_ms": _PAUSE_MS,
+                "period_increase_factor": 1.0,
+            },
         }
         if self.config:
             return settings if not self.connect else {**settings, "connect/endpoints": [_sized(self.connect)]}

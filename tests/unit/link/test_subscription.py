@@ -6,11 +6,14 @@ from __future__ import annotations
 import asyncio
 import queue
 import threading
-from typing import Any
+import time
+from typing import Any, cast
 
 import pytest
 
 from unitylink import Link, LinkBusy, LinkClosed
+from unitylink._native import NativeLink
+from unitylink.layer2_message.callbacks import CallbackThread
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -235,3 +238,43 @@ def test_events(data_bits: int) -> None:
         board.event(again.group)  # no subscription uses this event any more
         assert link.read(2) == 9
         assert again.available == 0
+
+
+@pytest.mark.parametrize(("period_s", "rests"), [(0.03, False), (0.0005, True)])
+def test_the_callback_thread_rests_only_if_that_gathers_publishes(
+    period_s: float, rests: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With rare publishes, a rest would only wake the thread once more for each."""
+
+    class Native:
+        in_steps = False
+        closed = False
+        seen = 0
+
+        def wait_publishes(self, seen: int, timeout_ns: int) -> int:
+            time.sleep(period_s)
+            self.seen += 1
+            self.closed = self.seen > 5
+            return seen if self.closed else self.seen
+
+        def check_alive(self) -> None:
+            pass
+
+    class Stream:
+        gather_s = 0.01
+        told = 0
+        ended = False
+
+        def deliver(self) -> None:
+            self.told += 1
+
+        def hush(self) -> None:
+            pass
+
+    thread, rested = CallbackThread(cast(NativeLink, Native())), list[float]()
+    monkeypatch.setattr(thread, "_rest", rested.append)
+    stream = Stream()
+    thread.add(stream)
+    thread.stop()
+    assert stream.told > 5
+    assert len(rested) >= 3 if rests else not rested

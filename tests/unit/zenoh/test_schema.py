@@ -93,10 +93,14 @@ def test_rows_are_the_same_as_single_values(spec: Spec, fields: dict[str, Field]
     words = chance.integers(0, 1 << 32, (50, len(mine)), dtype=np.uint32)
     words[:, 2] &= 0xF
     rows, puts = TypedRows(mine), list[bytes]()
-    first, times_ns = 2**32 - 1, list(range(50))
-    Output(puts.append, rows, rows.row_bytes).send(first, times_ns, words)
+    first, times, since_ns = 2**32 - 1, chance.uniform(0, 1e6, 50), -(10**12)
+    output = Output(puts.append, rows, rows.row_bytes)
+    output.send(first, times, since_ns, words)
     heads = [SAMPLE.unpack_from(one) for one in puts]
-    assert heads == [((first + time_ns) % 2**32, time_ns) for time_ns in times_ns]
+    times_ns = [int(time_s * 1e9) + since_ns for time_s in times.tolist()]
+    assert heads == [((first + number) % 2**32, time_ns) for number, time_ns in enumerate(times_ns)]
+    with pytest.raises(ProtocolError, match="publishes of"):
+        output.send(first, times[:-1], 0, words)
     for row, put in zip(words.tolist(), puts, strict=True):
         data = put[SAMPLE.size :]
         single = b"".join(field.pack(raw & field.codec.mask) for field, raw in zip(mine, row, strict=True))

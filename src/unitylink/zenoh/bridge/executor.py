@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from unitylink.dashboard.desk import Desk, now
 from unitylink.errors import AccessRefused, LinkTimeout, OutcomeUnknown, UnknownName, ValueRangeError
+from unitylink.layer2_message import sent_before
 from unitylink.layer4_data import PulseValue, ValueGroup, WriteValue, load_spec_objects
 from unitylink.protocol import (
     LIST_OPERATION_ADD,
@@ -204,10 +205,12 @@ class Executor:
 
 
 def _in_time(deadline_ns: int, send: Callable[[], T]) -> T:
-    """Call `send` unless it is too late. Nothing may come between this look and the line."""
-    if deadline_ns and time.monotonic_ns() >= deadline_ns:
+    """Call `send` unless it is too late. The core looks again when it gives what is sent to the line."""
+    if not deadline_ns:
+        return send()
+    if time.monotonic_ns() >= deadline_ns:
         raise LinkTimeout("it reached the bridge too late, and was not executed")
-    return send()
+    return sent_before(deadline_ns, send)
 
 
 def _flags(request: Request) -> tuple[bool, bool | None, bool]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 import logging
-import struct
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -15,7 +14,7 @@ import numpy as np
 
 from unitylink.errors import ProtocolError, UnityLinkError
 
-from ..messages import SAMPLE
+from ..messages import encode_samples
 
 if TYPE_CHECKING:
     import zenoh
@@ -44,16 +43,18 @@ class Output:
 
     def __init__(self, put: Put, body: Body, row_bytes: int) -> None:
         self._put, self._body, self._row_bytes = put, body, row_bytes
-        self._message = struct.Struct(f"{SAMPLE.format}{row_bytes}s")
 
-    def send(self, first: int, times_ns: Sequence[int], words: Words) -> None:
-        """Put a message for each row. `first` is the sequence of the first one."""
-        data, step = self._body(words), self._row_bytes
-        if len(data) != step * len(times_ns):
-            raise ProtocolError(f"{len(data)} bytes for {len(times_ns)} publishes of {step} bytes")
-        put, pack = self._put, self._message.pack
-        for number, time_ns in enumerate(times_ns):
-            put(pack(first + number & 0xFFFFFFFF, time_ns, data[number * step : (number + 1) * step]))
+    def send(self, first: int, times: Times, since_ns: int, words: Words) -> None:
+        """Put a message for each row. `first` is the sequence of the first one.
+
+        The time of a message is that in `times`, in ns, and `since_ns` later.
+        """
+        data = self._body(words)
+        if len(data) != self._row_bytes * len(times):
+            raise ProtocolError(f"{len(data)} bytes for {len(times)} publishes of {self._row_bytes} bytes")
+        put = self._put
+        for message in encode_samples(first, times, since_ns, data):
+            put(message)
 
 
 class Group:
@@ -98,10 +99,9 @@ class Group:
         since_ns = time.monotonic_ns() - int(link.now_s() * 1e9)
         if abs(since_ns) < _CLOSE_NS:
             since_ns = 0
-        times_ns = [int(time_s * 1e9) + since_ns for time_s in times.tolist()]
         for output in self.outputs:
             try:
-                output.send(first, times_ns, words)
+                output.send(first, times, since_ns, words)
             except Exception as error:  # the session ends, or the board holds what its type does not have
                 _log.debug("a publish was left out: %s", error)
         return True

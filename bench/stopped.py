@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A bridge that loses its processor: is a set-point executed that is older than its time to live?
+
+    python bench/stopped.py
+    python bench/stopped.py --stops 300 --ttl 0.05
+
+Set-points go to a bridge all the time. It is stopped (SIGSTOP) again and again, wherever it is, and
+goes on when what it had is too old. The board is a process of its own, where an oracle notes each
+set-point that it sees, and when.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import signal
+import socket
+import tempfile
+import threading
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import partition
+from partition import APART, BEFORE_S, ORACLE, SPEC, Sender, judge
+from zenoh_bridge import Processes
+
+PERIOD_S = 0.001
+KEY = "bench/r1"
+
+
+def free_port() -> int:
+    """Return a port that nobody has."""
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        return int(one.getsockname()[1])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--stops", type=int, default=200)
+    parser.add_argument("--ttl", type=float, default=0.05, metavar="S", help="time to live of a set-point")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    chance = random.Random(options.seed)
+    partition.PERIOD_S = PERIOD_S
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
+        folder = Path(name)
+        (folder / "arm.ul").write_text(SPEC)
+        (folder / "oracle.py").write_text(ORACLE)
+        stack.callback(os.chdir, os.getcwd())
+        os.chdir(folder)
+        programs = Processes(stack)
+        board = ("-m", "unitylink", "simulate", "arm.ul", "--plant", "oracle.py", "--tcp", "0", "--json")
+        told = programs.start(*board)
+        router = f"tcp/127.0.0.1:{free_port()}"
+        bridge = ("-m", "unitylink", "bridge", "zenoh", json.loads(told)["url"], "arm.ul", "--key", KEY)
+        programs.start(*bridge, "--listen", router)
+        end = threading.Event()
+        sender = Sender(f"zenoh:{KEY}?connect={router}", APART, options.ttl, end)
+        sender.start()
+        time.sleep(BEFORE_S)
+        if not sender.last_seen_s:
+            raise SystemExit("the robot does not publish")
+        pid = programs.pids[-1]
+        for _ in range(options.stops):
+            time.sleep(chance.uniform(0.02, 0.06))
+            os.kill(pid, signal.SIGSTOP)
+            time.sleep(options.ttl * chance.uniform(1.2, 4))
+            os.kill(pid, signal.SIGCONT)
+        time.sleep(0.5)
+        end.set()
+        sender.join(10.0)
+        print(f"the bridge was stopped {options.stops} times, for up to {4e3 * options.ttl:.0f} ms")
+        judge(folder, [sender], options.ttl)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A bridge that is held up, and a network that fails again just after it was mended."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from unit.zenoh.rig import ANGLE, GOAL, Rig, rigged, until
+
+from unitylink import connect
+from unitylink.errors import LinkTimeout, OutcomeUnknown
+from unitylink.layer2_message import sent_before
+from unitylink.zenoh.link import ZenohLink
+from unitylink.zenoh.messages import SUBSCRIBE
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
+    with rigged(tmp_path_factory.mktemp("zenoh")) as rig:
+        yield rig
+
+
+@pytest.fixture
+def link(rig: Rig) -> Iterator[ZenohLink]:
+    with connect(rig.url()) as link:
+        assert isinstance(link, ZenohLink)
+        yield link
+
+
+def late(rig: Rig) -> dict[str, Any]:
+    told: dict[str, Any] = rig.bridge.refusals.report().get("late", {"count": 0, "last": ""})
+    return told
+
+
+def test_a_link_sends_nothing_from_a_moment_on(rig: Rig) -> None:
+    line, _, _ = rig.robot.share()
+    sent_before(time.monotonic_ns() + 10**10, lambda: line.write(GOAL, 1))
+    with pytest.raises(LinkTimeout, match="not sent: its time was over"):
+        sent_before(time.monotonic_ns(), lambda: line.write(GOAL, 2))
+    assert line.read(GOAL) == 1, "and the limit has ended with the call"
+
+
+def test_what_is_held_up_in_the_bridge_is_not_written_late(
+    link: ZenohLink, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The clock is looked at when bytes go to the line, and not only before."""
+    executor, held_s = rig.bridge._executor, [0.0]
+    group = executor._group
+
+    def slowly(*what: Any) -> Any:
+        time.sleep(held_s[0])  # behind the first look
+        return group(*what)
+
+    monkeypatch.setattr(executor, "_group", slowly)
+    goals = link.set_points("j1.goal", ttl_s=0.2)
+    until(lambda: goals.send(0.5) or rig.board.registers[GOAL] == 500)
+    before, held_s[0] = late(rig)["count"], 0.3
+    goals.send(0.7)
+    until(lambda: late(rig)["count"] > before)
+    assert "not sent: its time was over" in late(rig)["last"]
+    assert rig.board.registers[GOAL] == 500
+    held_s[0] = 0.0
+    until(lambda: goals.send(0.9) or rig.board.registers[GOAL] == 900)
+
+
+def test_a_subscription_whose_answer_is_lost_comes_back(
+    link: ZenohLink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a loss, all is subscribed anew. The network may fail again in that moment."""
+    rows: list[int] = []
+    subscription = link.subscribe([ANGLE], divisor=10)
+    subscription.on_publish(lambda time_s, words: rows.append(words[0]))
+    until(lambda: rows)
+    bridge, asked = link._far.bridge, list[int]()
+    ask = bridge.ask
+
+    def first_is_lost(kind: int, *what: Any, **more: Any) -> Any:
+        asked.append(kind)
+        if asked.count(SUBSCRIBE) == 1 and kind == SUBSCRIBE:
+            raise OutcomeUnknown("no answer")
+        return ask(kind, *what, **more)
+
+    monkeypatch.setattr(bridge, "ask", first_is_lost)
+    bridge.greet_again()
+    until(lambda: asked.count(SUBSCRIBE) == 2 and link.up)
+    rows.clear()
+    until(lambda: rows)
+    subscription.close()

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A peer that is cut off holds up nobody: its socket is closed without waiting."""
+
+from __future__ import annotations
+
+import socket
+import struct
+from contextlib import ExitStack
+
+import pytest
+from unit.zenoh.rig import free_port, until
+
+from unitylink.zenoh.session import Network
+from unitylink.zenoh.sockets import relax, sockets_between
+
+
+def lingers(one: socket.socket) -> bool:
+    return bool(struct.unpack("ii", one.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8))[0])
+
+
+@pytest.mark.parametrize(("host", "form"), [("127.0.0.1", "tcp/{}:{}"), ("::1", "tls/[{}]:{}?prio=1-2")])
+def test_only_the_socket_between_two_places_is_changed(host: str, form: str) -> None:
+    with ExitStack() as stack:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        door = stack.enter_context(socket.create_server((host, 0), family=family))
+        pairs = []
+        for _ in range(2):
+            near = stack.enter_context(socket.create_connection(door.getsockname()[:2]))
+            pairs.append((near, stack.enter_context(door.accept()[0])))
+        for one in (end for pair in pairs for end in pair):
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 10))
+        (near, far), others = pairs[0], pairs[1]
+        here, there = (form.format(*end.getsockname()[:2]) for end in (near, far))
+        assert relax(here, there) == 1
+        assert not lingers(near) and all(map(lingers, (far, *others)))
+        near.send(b"it is open")
+        assert far.recv(99) == b"it is open"
+
+
+@pytest.mark.parametrize(
+    "place", ["udp/127.0.0.1:7447", "tcp/somewhere:7447", "tcp/1.2.3.4.5:6", "unixsock/x"]
+)
+def test_other_places_have_no_such_socket(place: str) -> None:
+    assert relax(place, "tcp/127.0.0.1:7447") == 0
+
+
+def test_each_session_is_so() -> None:
+    """Zenoh opens the sockets. That they would wait is a fact of its version, and not asked here."""
+    place = f"tcp/127.0.0.1:{free_port()}"
+    with Network(listen=place).opened() as router, Network(connect=place).opened() as session:
+        for link in (until(router.info.links)[0], session.info.links()[0]):
+            with ExitStack() as stack:
+                some = [stack.enter_context(one) for one in sockets_between(link.src, link.dst)]
+                until(lambda some=some: some and not any(map(lingers, some)))
