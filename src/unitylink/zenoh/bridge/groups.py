@@ -79,13 +79,13 @@ class Group:
         self.subscription.on_publish(self._one, gather_s=GATHER_S, arrays=self._many)
 
     def stop(self) -> None:
-        """End the subscription."""
-        self._publisher.undeclare()
+        """End the subscription. Nothing is put any more when the publisher ends: Zenoh refuses both at once."""
         if self.subscription is not None:
             try:
                 self.subscription.close()
             except UnityLinkError as error:  # the board is away, and has forgotten it
                 _log.debug("a group was not released: %s", error)
+        self._publisher.undeclare()
 
     def _one(self, time_s: float, words: Sequence[int]) -> None:
         self._many(np.array([time_s]), np.array([words], dtype=np.uint32))
