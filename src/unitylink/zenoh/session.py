@@ -22,6 +22,7 @@ _BURST = 16  # set-points, at most: each goes alone, and one for which there is 
 _OPEN_MS = 500
 _PAUSE_MS = 100  # between two attempts
 _ROUTER_OPEN_MS = 1000  # from a router to another one, which may be far away
+_TRY_MS = 2000  # how long a client tries at the start
 _SLOW_OPEN_MS = 5000  # if the first attempts were all too short
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
@@ -91,7 +92,7 @@ class Network:
             settings |= {
                 "mode": "client",
                 "connect/endpoints": [_sized(self.connect or ROUTER)],
-                "connect/timeout_ms": 2000,
+                "connect/timeout_ms": _TRY_MS,
             }
         return settings
 

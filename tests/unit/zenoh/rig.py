@@ -9,7 +9,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -108,14 +108,21 @@ class Gap:
         except (OSError, ValueError):
             pass
         for end in (source, target):
-            end.close()
+            _end(end)
 
     def close(self) -> None:
         """Cut all ways."""
         self.there.set()
         self.back.set()
         for end in [self._door, *self._ends]:
-            end.close()
+            _end(end)
+
+
+def _end(one: socket.socket) -> None:
+    """Close a socket. A thread that waits for it would keep it open, if it were not shut down before."""
+    with suppress(OSError):
+        one.shutdown(socket.SHUT_RDWR)
+    one.close()
 
 
 @dataclass

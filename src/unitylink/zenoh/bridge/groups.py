@@ -79,7 +79,7 @@ class Group:
         self.subscription.on_publish(self._one, gather_s=GATHER_S, arrays=self._many)
 
     def stop(self) -> None:
-        """End the subscription. Nothing is put any more when the publisher ends: Zenoh refuses both at once."""
+        """End the subscription, then the publisher: Zenoh refuses to end it while something is put."""
         if self.subscription is not None:
             try:
                 self.subscription.close()
