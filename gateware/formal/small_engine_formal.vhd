@@ -29,13 +29,12 @@ entity small_engine_formal is
   generic (
     facts : string;  -- of each place: 24 hexadecimal digits
     -- Places of the program.
-    at_now, at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind,
+    at_now, at_take_address, at_write_word, at_open_new, at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind,
       at_drop, at_done, at_judge, at_distance, at_not_new, at_put_reply, at_remember, at_slot, at_fails, at_post,
-      at_post_write,
-      at_write, at_open, at_session, at_session_place, at_bump, at_clear : natural;
+      at_finish, at_write, at_open, at_session, at_session_place, at_bump, at_clear : natural;
     -- Bytes of the memory.
     byte_kind, byte_id_h, byte_id_l, byte_record, byte_status, byte_count, byte_repeated, byte_scratch, byte_found,
-      byte_low, byte_high, byte_past, byte_head, byte_look, byte_after, byte_outside, byte_posts_h, byte_posts_l,
+      byte_low, byte_high, byte_head, byte_look, byte_after, byte_outside, byte_posts_h, byte_posts_l,
       byte_places : natural
   );
   port (
@@ -65,7 +64,7 @@ entity small_engine_formal is
     write_address     : in  unsigned(9 downto 0);
     written           : in  byte_t;
     writes            : in  std_ulogic;
-    store, put, loads, loads_carry, points, goes_on : in std_ulogic;
+    store, put, loads, loads_carry, points, goes_on, moves, follows : in std_ulogic;
     acts, tells, notes : in std_ulogic_vector(8 downto 0)
   );
 end entity;
@@ -77,7 +76,7 @@ architecture properties of small_engine_formal is
 
   constant address_of : numbers_t := (
     byte_kind, byte_id_h, byte_id_l, byte_record, byte_status, byte_count, byte_repeated, byte_scratch, byte_found,
-    byte_low, byte_high, byte_past, byte_head, byte_look, byte_after, byte_outside, byte_posts_h, byte_posts_l);
+    byte_low, byte_high, byte_head, byte_look, byte_after, byte_outside, byte_posts_h, byte_posts_l);
 
   constant table : table_t := table_of(facts);
 
@@ -161,15 +160,17 @@ begin
           when 2      => any_now <= std_ulogic_vector(to_unsigned(request_kind_post_c, 8));
           when others => any_now <= std_ulogic_vector(to_unsigned(request_kind_open_c, 8));
         end case;
-      elsif current = at_now + 28 then                          -- its size
+      elsif current = at_now + 22 then                          -- its size
         any_now <= x"20";
       elsif current = at_write + 1 then                         -- A + D
         any_now <= x"18";
       elsif current = at_open then
         any_now <= x"0B";
-      elsif current = at_now + 34 or current = at_write + 4 or current = at_write + 6 or current = at_post_write or
-          current = at_post_write + 2 or current = at_open + 10 or current = at_open + 22 then
+      elsif current = at_now + 27 or current = at_take_address or current = at_write_word + 1 or
+          current = at_open + 20 or current = at_open_new then
         any_now <= x"01";
+      elsif current = at_finish + 16 then                       -- the last block of the reply ends here
+        any_now <= std_ulogic_vector(byte_of(n_found) + 1);
       end if;
     end if;
   end process;
@@ -292,7 +293,7 @@ begin
     fact(x_ring, x >= 16#180#);
     fact(look_high, byte_of(n_look)(7) = '1');
     fact(after_high, byte_of(n_after)(7) = '1');
-    fact(past_low, byte_of(n_past)(7) = '0');
+    fact(x_clear, x < 16#80# or x >= 16#100#);
     fact(kind_legal, byte_of(n_kind) >= 16#80# or byte_of(n_kind) < 16#48#);
     fact(kind_small, byte_of(n_kind) < 16#48#);
     fact(post_or_older, is_older or byte_of(n_kind) = request_kind_post_c);
@@ -328,12 +329,12 @@ begin
     table_holds <= holds;
     flow_holds  <= current < facts'length / 24 and instruction = plain_program(to_integer(current)) and
                    position = current + 1 and (acts or tells or notes) = "000000000" and
-                   (store or put or loads or loads_carry or points or goes_on) = '0';
+                   (store or put or loads or loads_carry or points or goes_on or moves or follows) = '0';
   end process;
 
   steps : entity work.small_steps
     generic map (
-      at_now => at_now, at_listen => at_listen, at_decode_end => at_decode_end, at_is_long => at_is_long,
+      at_now => at_now, at_open_new => at_open_new, at_listen => at_listen, at_decode_end => at_decode_end, at_is_long => at_is_long,
       at_no_session => at_no_session, at_is_wrong => at_is_wrong, at_judged => at_judged,
       at_judged_kind => at_judged_kind, at_drop => at_drop, at_judge => at_judge, at_distance => at_distance,
       at_not_new => at_not_new, at_put_reply => at_put_reply, at_remember => at_remember, at_slot => at_slot,
@@ -385,11 +386,11 @@ begin
 
   -- A place changes only when a request is remembered in it, or when a session begins or ends.
   places_stand : assert always begun = '1' and writes = '1' and write_address >= here and write_address < here + 4 ->
-                 (current >= at_remember and current < at_remember + 10) or
+                 (current >= at_remember and current < at_remember + 6) or
                  (current >= at_session_place and current < at_session_place + 6);
 
   -- It goes to a later id only.
-  places_go_on : assert always begun = '1' and store = '1' and current = at_remember + 3 and ours = '1' ->
+  places_go_on : assert always begun = '1' and store = '1' and current = at_remember + 2 and ours = '1' ->
                  write_address = here and ahead /= 0 and ahead(15) = '0';
 
   -- A request is executed, and done.

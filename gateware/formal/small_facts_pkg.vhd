@@ -15,14 +15,14 @@ package small_facts_pkg is
   subtype word16_t is unsigned(15 downto 0);
 
   type names_t is (
-    n_kind, n_id_h, n_id_l, n_record, n_status, n_count, n_repeated, n_scratch, n_found, n_low, n_high, n_past,
-    n_head, n_look, n_after, n_outside, n_posts_h, n_posts_l);
+    n_kind, n_id_h, n_id_l, n_record, n_status, n_count, n_repeated, n_scratch, n_found, n_low, n_high, n_head,
+    n_look, n_after, n_outside, n_posts_h, n_posts_l);
   type numbers_t is array (names_t) of natural;
   type bytes_t is array (names_t) of number_t;
   -- The facts, as in tools/formal/small_facts.py.
   type fact_t is (
     none, begun_frame, not_post, is_post, older, recorded, fresh, remembered, settled, renewed, next_post, out_known,
-    a_high, a_low, a_counter, x_low, x_counter, x_high, x_ring, look_high, after_high, past_low, kind_legal,
+    a_high, a_low, a_counter, x_low, x_counter, x_high, x_ring, look_high, after_high, x_clear, kind_legal,
     kind_small, post_or_older, post_or_recorded, head_high);
 
   constant facts_left : natural := 27;  -- of the bits for facts

@@ -14,7 +14,8 @@ use work.small_facts_pkg.all;
 
 entity small_steps is
   generic (
-    at_now, at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind, at_drop,
+    at_now, at_open_new, at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind,
+      at_drop,
       at_judge, at_distance, at_not_new, at_put_reply, at_remember, at_slot, at_fails, at_post, at_session,
       at_session_place, at_bump, at_clear : natural;
     places : natural  -- their first address
@@ -43,6 +44,7 @@ begin
     variable distance : word16_t;               -- to the id of the place
     variable ours     : boolean;                -- the id of the frame has it
     variable ahead    : word16_t;               -- how far it is ahead of that of the place
+    variable unlike_post : number_t;            -- in which bits the kind is not that of a POST
 
     procedure when_at(there : natural; true_there : boolean) is
     begin
@@ -52,31 +54,33 @@ begin
     ok := true;
     ours  := id(2 downto 0) = watched;
     ahead := id - place_id;
+    unlike_post := b(n_kind) xor to_unsigned(request_kind_post_c, 8);
 
     -- The choice of what to do with a frame.
     when_at(1, x = 16#80#);
     when_at(2, x = 16#80# and a = 16#C8#);
-    when_at(at_now + 9, a >= 16#80# or a < 16#48#);
-    when_at(at_now + 13, a = b(n_kind));
-    when_at(at_now + 14, a = (b(n_kind) and x"80"));
-    when_at(at_now + 16, a = b(n_kind));
-    when_at(at_now + 17, a = (b(n_kind) xor to_unsigned(request_kind_post_c, 8)));
+    when_at(at_now + 9, a = b(n_kind));
+    when_at(at_now + 10, a = (b(n_kind) and x"80"));
+    when_at(at_now + 12, a = b(n_kind));
+    when_at(at_now + 13, a = (b(n_kind) xor to_unsigned(request_kind_post_c, 8)));
     when_at(at_drop + 1, a = b(n_kind));
 
     -- The check of a piece.
-    when_at(at_listen + 29, a = b(n_kind));
-    when_at(at_listen + 30, a = (b(n_kind) and x"FE"));
-    when_at(at_listen + 31, a = ((b(n_kind) and x"FE") xor to_unsigned(request_kind_hello_c, 8)));
-    when_at(at_decode_end + 14, a = b(n_outside));
-    when_at(at_decode_end + 19, a = b(n_kind));
-    when_at(at_decode_end + 20, a = (b(n_kind) xor to_unsigned(request_kind_post_c, 8)));
-    when_at(at_decode_end + 22, a = b(n_kind));
-    when_at(at_decode_end + 23, a = (b(n_kind) and x"40"));
+    when_at(at_listen + 20, a = b(n_kind));
+    when_at(at_listen + 21, a = (b(n_kind) and x"FE"));
+    when_at(at_listen + 22, a = ((b(n_kind) and x"FE") xor to_unsigned(request_kind_hello_c, 8)));
+    when_at(at_decode_end + 12, a = b(n_outside));
+    when_at(at_decode_end + 17, a = b(n_kind));
+    when_at(at_decode_end + 18, a = unlike_post);
+    when_at(at_decode_end + 19, a = (unlike_post and x"FD"));
+    when_at(at_decode_end + 20, a = (unlike_post and x"FD"));
+    when_at(at_decode_end + 21, a = (unlike_post and x"4D"));
+    when_at(at_decode_end + 22, a = (unlike_post and x"4D"));
+    when_at(at_decode_end + 23, a = (unlike_post and x"40"));
     when_at(at_is_long + 1, a < 16#48#);
     when_at(at_no_session + 1, a < 16#48#);
     when_at(at_is_wrong + 1, a < 16#48#);
     when_at(at_judged, a < 16#48#);
-    when_at(at_judged_kind + 2, a = b(n_kind));
 
     -- `distance`: how far an id is ahead of that of its place.
     its      := wanted(2 downto 0) = watched;
@@ -125,20 +129,14 @@ begin
     end if;
     when_at(at_judge + 9, a = b(n_count));
     when_at(at_judge + 10, a = (b(n_count) and x"80"));
-    when_at(at_not_new + 12, a = 1);
-    when_at(at_put_reply + 4, a = b(n_repeated));
+    when_at(at_put_reply + 3, a = b(n_repeated));
 
     -- `remember`, and the places of a new session.
     when_at(at_remember + 1, a = place_of(places, id(7 downto 0)));
     when_at(at_remember + 2, x = place_of(places, id(7 downto 0)));
-    when_at(at_remember + 3, x = place_of(places, id(7 downto 0)) and a = b(n_id_l));
-    when_at(at_remember + 4, x = place_of(places, id(7 downto 0)) + 1 and (not ours or place_low = b(n_id_l)));
-    when_at(at_remember + 5, x = place_of(places, id(7 downto 0)) + 1 and (not ours or place_low = b(n_id_l)) and
-                             a = b(n_id_h));
-    when_at(at_remember + 6, x = place_of(places, id(7 downto 0)) + 2);
-    when_at(at_remember + 7, x = place_of(places, id(7 downto 0)) + 2);
-    when_at(at_remember + 8, x = place_of(places, id(7 downto 0)) + 3);
-    when_at(at_remember + 9, x = place_of(places, id(7 downto 0)) + 3);
+    when_at(at_remember + 3, x = place_of(places, id(7 downto 0)) + 1 and (not ours or place_low = b(n_id_l)));
+    when_at(at_remember + 4, x = place_of(places, id(7 downto 0)) + 2);
+    when_at(at_remember + 5, x = place_of(places, id(7 downto 0)) + 3);
     when_at(at_session + 4, a = 0);
     when_at(at_session + 5, a = 16#F8#);
     when_at(at_session_place, a >= 16#F8# and x = place_of(places, a));
@@ -155,30 +153,35 @@ begin
     when_at(at_session_place + 8, a = b(n_scratch) + 1);
 
     -- A POST, and what becomes of a failure.
-    when_at(at_post + 7, a = b(n_id_l));
-    when_at(at_post + 8, a = b(n_id_l) - b(n_posts_l));
-    when_at(at_post + 9, b(n_scratch) = b(n_id_l) - b(n_posts_l));
-    when_at(at_post + 10, b(n_scratch) = b(n_id_l) - b(n_posts_l) and a = b(n_id_h));
-    if current >= at_post + 8 and current <= at_post + 10 then
+    when_at(at_post + 5, a = b(n_id_l));
+    when_at(at_post + 6, a = b(n_id_l) - b(n_posts_l));
+    when_at(at_post + 7, b(n_scratch) = b(n_id_l) - b(n_posts_l));
+    when_at(at_post + 8, b(n_scratch) = b(n_id_l) - b(n_posts_l) and a = b(n_id_h));
+    if current >= at_post + 6 and current <= at_post + 8 then
       ok := ok and carry = to_bit(b(n_id_l) >= b(n_posts_l));
     end if;
-    when_at(at_post + 11, joined(a, b(n_scratch)) = id - posts);
-    when_at(at_post + 12, joined(b(n_count), b(n_scratch)) = id - posts and a = b(n_count));
-    when_at(at_post + 13, joined(b(n_count), b(n_scratch)) = id - posts and a = (b(n_count) or b(n_scratch)));
-    when_at(at_post + 14, id = posts);
-    when_at(at_post + 15, id = posts and a = b(n_posts_l));
-    when_at(at_post + 16, id = posts and a = b(n_posts_l) + 1 and carry = to_bit(b(n_posts_l) = 16#FF#));
-    when_at(at_post + 17, b(n_posts_l) = b(n_id_l) + 1 and b(n_posts_h) = b(n_id_h) and
-                          carry = to_bit(b(n_id_l) = 16#FF#));
-    when_at(at_post + 18, b(n_posts_l) = 0 and b(n_id_l) = 16#FF# and b(n_posts_h) = b(n_id_h));
-    when_at(at_post + 19, b(n_posts_l) = 0 and b(n_id_l) = 16#FF# and b(n_posts_h) = b(n_id_h) and
-                          a = b(n_posts_h));
-    when_at(at_post + 20, b(n_posts_l) = 0 and b(n_id_l) = 16#FF# and b(n_posts_h) = b(n_id_h) and
-                          a = b(n_posts_h) + 1);
+    when_at(at_post + 9, joined(a, b(n_scratch)) = id - posts);
+    when_at(at_post + 10, joined(b(n_count), b(n_scratch)) = id - posts and a = b(n_count));
+    when_at(at_post + 11, joined(b(n_count), b(n_scratch)) = id - posts and a = (b(n_count) or b(n_scratch)));
+    when_at(at_post + 12, id = posts);
+    when_at(at_post + 13, id = posts and a = b(n_posts_l));
+    when_at(at_post + 14, id = posts and a = b(n_posts_l) + 1 and carry = to_bit(b(n_posts_l) = 16#FF#));
+    if current >= at_post + 15 and current <= at_post + 17 then
+      ok := ok and b(n_posts_l) = b(n_id_l) + 1 and b(n_posts_h) = b(n_id_h);
+    end if;
+    when_at(at_post + 15, carry = to_bit(b(n_id_l) = 16#FF#));
+    when_at(at_post + 16, carry = to_bit(b(n_id_l) = 16#FF#) and a = b(n_id_h));
+    when_at(at_post + 17, joined(a, b(n_posts_l)) = id + 1);
     when_at(at_fails + 2, a = b(n_kind));
     when_at(at_fails + 3, a = (b(n_kind) xor to_unsigned(request_kind_post_c, 8)));
-    when_at(at_fails + 7, a = b(n_status));
-    when_at(at_fails + 8, a = (b(n_status) xor to_unsigned(reply_status_denied_c, 8)));
+    when_at(at_fails + 5, a = b(n_status));
+    when_at(at_fails + 6, a = (b(n_status) xor to_unsigned(reply_status_denied_c, 8)));
+
+    -- An OPEN stores its nonce and epoch.
+    when_at(at_open_new + 13, x = 16#CE#);
+    when_at(at_open_new + 14, x = 16#CF#);
+    when_at(at_open_new + 16, x = 16#CA#);
+    when_at(at_open_new + 17, x = 16#CB#);
 
     -- Shared routines: where they store.
     when_at(at_bump + 6, a = x(7 downto 0));

@@ -8,7 +8,7 @@
 -- Program   Of 1024 instructions, or of 2048. With 2048, X has ten bits and so reaches 1024 bytes.
 -- Ports     executing: high in the second clock. address: of the operand in the first clock, of a store in the second.
 --           operand: what the memory read. given: what is stored or put, or what an action takes. It is the operand
---           of a `put` or action with X, and otherwise the accumulator.
+--           of a `put`, of `get` and `give`, and of an action with X, and otherwise the accumulator.
 --           store, put, acts, tells, notes: high in the second clock only. docs/gateware/framed_small.md explains the
 --           instructions.
 --           port_number, port_data: what `in` reads. conditions: what a jump can ask of the hardware.
@@ -59,7 +59,8 @@ architecture rtl of byte_processor is
   signal execute     : std_ulogic := '1';
   -- What is done in the second clock.
   signal loads, loads_carry, points, goes_on : std_ulogic := '0';
-  signal gives_operand, gives_nothing        : std_ulogic := '0';
+  signal moves, follows                      : std_ulogic := '0';
+  signal gives_operand, gives_constant       : std_ulogic := '0';
   signal position, caller, caller_before : position_t := (others => '0');
   signal called, returns, jumps : std_ulogic;
 
@@ -69,6 +70,8 @@ architecture rtl of byte_processor is
 
   signal operation   : std_ulogic_vector(3 downto 0);
   signal immediate, indexed, arithmetic : std_ulogic;
+  signal moving      : std_ulogic;            -- of do_in: it is get or give
+  signal by_x        : std_ulogic;            -- the address is X
   signal chosen, value : byte_t;              -- the operand; the same, inverted for a subtraction
   signal carry_in    : std_ulogic;
   signal sum         : unsigned(8 downto 0);
@@ -142,7 +145,9 @@ begin
   operation <= instruction(operation_f);
   immediate <= instruction(mode_f'right) and not instruction(mode_f'left);
   indexed   <= instruction(mode_f'left);
-  address   <= resize(x, 10) when indexed = '1' else '0' & unsigned(instruction(address_f));
+  moving    <= instruction(mode_f'right);
+  by_x      <= indexed xor moves;  -- get and give read at one of two addresses, and write at the other one
+  address   <= resize(x, 10) when by_x = '1' else '0' & unsigned(instruction(address_f));
   pointer   <= resize(x, 10);
 
   -- The result. A subtraction adds the inverted operand.
@@ -162,7 +167,7 @@ begin
       when others => combined <= a xor value;
     end case;
     result <= combined;
-    if operation(3) = '1' then
+    if operation(3) = '1' and moving = '0' then
       result <= port_data;
     elsif arithmetic = '1' then
       result <= byte_t(sum(7 downto 0));
@@ -179,6 +184,8 @@ begin
       loads_carry <= works and not operation(3) and arithmetic;
       points     <= '0';
       goes_on    <= works and and instruction(mode_f);
+      moves      <= '0';
+      follows    <= '0';
       store      <= '0';
       put        <= '0';
       acts       <= (others => '0');
@@ -186,9 +193,18 @@ begin
       notes      <= (others => '0');
       if works = '1' then
         case operation is
-          when do_in               => loads  <= '1';
+          when do_in =>
+            loads   <= indexed or not moving;
+            moves   <= moving;
+            store   <= moving;
+            goes_on <= moving;
+            tells(tell_check_next) <= instruction(in_check_next) and not moving;
+            acts(out_shift_data)   <= instruction(in_data_next) and not moving;
           when do_point            => points <= '1';
-          when do_store | do_clear => store  <= '1';
+          when do_store            => store  <= '1';
+          when do_clear =>
+            store   <= not immediate;
+            follows <= immediate;
           when do_put              => put    <= '1';
           when do_out              => acts   <= instruction(address_f);
           when do_tell             => tells  <= instruction(address_f);
@@ -196,14 +212,19 @@ begin
           when others              => loads  <= '1';
         end case;
       end if;
-      gives_operand <= indexed;
-      gives_nothing <= '0';
-      if operation = do_store then
-        gives_operand <= '0';
-      elsif operation = do_clear then
-        gives_operand <= '0';
-        gives_nothing <= '1';
-      end if;
+      gives_operand  <= indexed;
+      gives_constant <= '0';
+      case operation is
+        when do_in    => gives_operand <= '1';
+        when do_put   => gives_operand <= not immediate;
+        when do_store =>
+          gives_operand  <= immediate;  -- with gives_constant: FF
+          gives_constant <= immediate;
+        when do_clear =>
+          gives_operand  <= '0';
+          gives_constant <= '1';
+        when others   => null;
+      end case;
     end if;
   end process;
 
@@ -221,6 +242,8 @@ begin
         if instruction(mode_f'right) = '1' then
           x <= resize(instruction(mode_f'left) & unsigned(instruction(address_f)), x'length);
         end if;
+      elsif follows = '1' then
+        x <= resize("01" & unsigned(operand), x'length);
       elsif goes_on = '1' then
         x(6 downto 0) <= x(6 downto 0) + 1;
       end if;
@@ -230,7 +253,7 @@ begin
   -- What it does outside.
 
   accumulator <= a;
-  given       <= (others => '0') when gives_nothing = '1' else operand when gives_operand = '1' else a;
+  given       <= (others => gives_operand) when gives_constant = '1' else operand when gives_operand = '1' else a;
   port_number <= instruction(2 downto 0);
 
 end architecture;

@@ -76,6 +76,7 @@ architecture rtl of framed_small is
   subtype place_t is unsigned(6 downto 0);  -- within 128 bytes of the memory
 
   constant reply_start : place_t := to_unsigned(small_reply mod 128, 7);
+  constant put_start   : place_t := reply_start + 2;  -- behind the kind and the first COBS code
   constant reply_page  : unsigned(1 downto 0) := to_unsigned(small_reply / 128, 2);
   constant ring_page   : unsigned(1 downto 0) := to_unsigned(small_ring / 128, 2);
 
@@ -99,7 +100,7 @@ architecture rtl of framed_small is
   signal pieces  : unsigned(5 downto 0) := (others => '0');  -- that wait in the ring, with their 00
   signal accepts : std_ulogic;
 
-  signal reply_place : place_t := reply_start;
+  signal reply_place : place_t := put_start;
   signal sending, reading, offers, last : std_ulogic := '0';
   signal goes, ends, sent      : std_ulogic;
 
@@ -151,7 +152,9 @@ begin
     '1' & crc(6 downto 0)          when "01",
     status                         when "10",
     byte_t(pointer(7 downto 0))    when others;
-  port_data <= turned & wants when publishing and port_number(2) = '1' else port_read;
+  port_data <= port_read when port_number(2) = '0' else
+               turned & wants when publishing and port_number(0) = '0' else
+               '0' & std_ulogic_vector(reply_place);
 
   -- The memory: one port reads and one writes, by turns for the program and for the line.
 
@@ -244,8 +247,11 @@ begin
       elsif sent = '1' then
         sending <= '0';
       end if;
-      if acts(out_send) = '1' or sent = '1' or notes(note_again) = '1' or reset = '1' then
+      if acts(out_send) = '1' then
         reply_place <= reply_start;
+      end if;
+      if sent = '1' or notes(note_again) = '1' or reset = '1' then
+        reply_place <= put_start;
       end if;
       if reset = '1' then
         sending <= '0';
@@ -341,7 +347,8 @@ begin
           when denied => answer <= "11";
         end case;
         if bus_writes = '0' then
-          word <= bii_response.data;
+          -- Its highest byte is the first one of the word.
+          word <= std_ulogic_vector(shift_left(unsigned(bii_response.data), 32 - 8 * s.data_bytes));
         end if;
       end if;
       if reset = '1' then

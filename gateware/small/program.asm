@@ -81,7 +81,7 @@
 .at 0x12E
 .var reply 82           ; kind, COBS, check, 00
 .at 0x180
-.var ring 128           ; bytes as they came; a frame that was checked: kind or counter, size, payload
+.var ring 128           ; bytes as they came; a frame that was checked: size, kind or counter, payload
 .at 0x200
 .var groups 192         ; of each group 32 bytes, see below
 .var enabled            ; groups that publish at their event, as bits
@@ -108,7 +108,8 @@
 .let flags = barrier_l  ; of DEFINE_GROUP
 .let wanting = low      ; groups that have something to publish
 .let past_group = kind  ; in `groups`: behind what was copied
-.let group_end = rest   ; of the publish: behind its words
+.let page = outside     ; of the number of a control register: its upper byte
+
 
 ; A counter is named by its lowest byte, where `bump` begins.
 .let frames = counters + 3
@@ -127,7 +128,7 @@
 .let receive_overruns = frames + 4 * (CONTROL_RECEIVE_OVERRUNS - CONTROL_FRAMES)
 .let publishes = frames + 4 * (CONTROL_PUBLISHES - CONTROL_FRAMES)
 .let publish_overruns = frames + 4 * (CONTROL_PUBLISH_OVERRUNS - CONTROL_FRAMES)
-.let refused = frames + 4 * (CONTROL_REFUSED - CONTROL_FRAMES)
+.let refusals = frames + 4 * (CONTROL_REFUSED - CONTROL_FRAMES)
 .let trips = frames + 4 * (CONTROL_DEADMAN_TRIPS - CONTROL_FRAMES)
 
 ; Sizes. A payload has 6 bytes less than its frame: kind, code, check, 00.
@@ -171,9 +172,8 @@ start:      ldx counters
             ld #ring & 0xFF             ; addresses of the ring in eight bits
             st head
             st look
-            ld #0xFF
-            st epoch_h
-            st epoch_l
+            set epoch_h
+            set epoch_l
 
 ; ---- What is next: the clock, events, a frame to execute, bytes to check
 
@@ -183,7 +183,12 @@ next:       jnalert now
             and #wants_turn
             jz wanted
 .end
-            call turn
+            tell turn_seen              ; the 16 bits of the clock have turned
+            ldx turns
+turn_next:  ld [x]
+            add #1
+            st [x+]
+            jc turn_next                ; all six bytes turn in 2^64 clocks: nobody sees that
 now:        in status
             and #is_overrun + is_uncounted
             jnz events
@@ -193,13 +198,9 @@ now:        in status
 
 ; ---- Execute the frame at `head`
 
-            ld head
-            tax 1
-            ld [x+]
-            st kind
-            ld [x+]
-            st size
-            ld kind
+            follow head
+            get size
+            get kind
             and #0x80
             jz dropped
             ld kind
@@ -211,24 +212,19 @@ now:        in status
 .if publishing
             jalert next                 ; a publish goes first
 .end
-            ld #0
-            st repeated
-            ld kind
-            xor #REQUEST_KIND_HELLO
+            clr repeated
+            xor #REQUEST_KIND_POST_LIST ^ REQUEST_KIND_HELLO
             jz hello
             xor #REQUEST_KIND_HELLO ^ REQUEST_KIND_OPEN
             jz open
-
 ; A request: the head, the form, the place
 
             ld size
             sub #around + 2
             jnc drop_kind               ; no id
             st rest
-            ld [x+]
-            st id_h
-            ld [x+]
-            st id_l
+            get id_h
+            get id_l
             ld kind
             and #FRAME_BARRIER_BIT
             jz headed
@@ -236,10 +232,8 @@ now:        in status
             sub #2
             jnc invalid
             st rest
-            ld [x+]
-            st barrier_h
-            ld [x+]
-            st barrier_l
+            get barrier_h
+            get barrier_l
 headed:     in x
             st here
             ld kind
@@ -260,108 +254,93 @@ headed:     in x
             add #REQUEST_KIND_CLOSE - REQUEST_KIND_DEFINE_GROUP
             jz define_group
 .end
-invalid:    ld #REPLY_STATUS_INVALID
+invalid:    call bump_frames
 
-; Refuse the request with status A: nothing is executed, and no place is taken.
+; Refuse the request: nothing is executed, and no place is taken. `bump_frames` was called.
+invalid_counted: ld #REPLY_STATUS_INVALID
 refuse:     st status
-            ld #0
-            st count
-            ld repeated
-            jnz answer
-            ld #frames
-            call bump
+            clr count
             jmp answer
+
+order:      call bump_frames
+            ld #REPLY_STATUS_ORDER
+            jmp refuse
+behind:     call bump_frames
+            ld #REPLY_STATUS_BEHIND
+            jmp refuse
 
 ; The words on the bus
 
 read:       ld rest
             xor a_bytes
-            jnz invalid
-            call judge
-            ld a_bytes
+            call judge_form
             call take_address
             out read
-            ld #frames
-            call bump
             call await
             jnz unanswered
             call slot
-            ld #4                       ; the word is in the low bytes of `data`
-            sub d_bytes
-            jz aligned
-align:      out shift_data
-            sub #1
-            jnz align
-aligned:    ld d_bytes
+            ld d_bytes
             st count
-keep:       st scratch
-            in data
-            st [x+]
-            out shift_data
-            ld scratch
-            sub #1
-            jnz keep
+            call keep
             jmp executed                ; A is zero: ok
 
-write:      ld rest
-            xor write_bytes
-            jnz invalid
-            call judge
-            ld a_bytes
-            call take_address
+; A payload byte after the other to the address.
+take_address: ld a_bytes
+address_byte: out shift_address [x+]
+            sub #1
+            jnz address_byte
+            ret
+
+; The payload is an address and a word: write it. A is zero if the bus has done so.
+write_word: call take_address
             ld d_bytes
-            call take_word
+word_byte:  out shift_data [x+]
+            sub #1
+            jnz word_byte
             out write
-            ld #frames
-            call bump
-            call await
-            jnz unanswered
-            st count                    ; A is zero: nothing is kept
-            jmp executed
-
-; A payload byte after the other to the address, or to the word.
-take_address: out shift_address [x+]
-            sub #1
-            jnz take_address
-            ret
-
-take_word:  out shift_data [x+]
-            sub #1
-            jnz take_word
-            ret
-
 await:      jaccess await
             in status
             and #bus_answer
             ret
 
+; Store A bytes of the word at X. A is zero then.
+keep:       st scratch
+            in data
+            st [x+]
+            ld scratch
+            sub #1
+            jnz keep
+            ret
+
 ; The bus has refused, or not answered, or the dead-man has tripped: then it has denied the write.
 unanswered: sub #bus_silent
-            jz silent
-            jc denied
-            ld #REPLY_STATUS_BUS_ERROR
-            st status
-            ld #bus_errors
-            jmp fails
-silent:     ld #REPLY_STATUS_BUS_TIMEOUT
+            jnz refused
+            ld #REPLY_STATUS_BUS_TIMEOUT
             st status
             ld #bus_timeouts
             jmp fails
-denied_new: ld #frames
-            call bump
+refused:    ld #REPLY_STATUS_BUS_ERROR
+            st status
+            ld #bus_errors
+            jnc fails
 denied:     ld #REPLY_STATUS_DENIED
             st status
-            ld #refused
+            ld #refusals
 fails:      call bump
             ld kind
             xor #REQUEST_KIND_POST
             jz post_failed
-            ld #0
-            st count
             ld status
             xor #REPLY_STATUS_DENIED
             jz answer                   ; nothing was executed
             jmp told_once
+
+write:      ld rest
+            xor write_bytes
+            call judge_form
+            call write_word
+            jnz unanswered
+nothing:    ld #0                       ; ok, and `count` is zero: nothing is kept
 
 ; The request was executed with status A, and `count` bytes of its reply are in its slot.
 executed:   st status
@@ -370,15 +349,60 @@ told_once:  call remember
 ; Send the reply: status, id, posts, `count` kept bytes.
 answer:     call reply_head
             ld count
-            jz answered
+            jz finish
             call slot
             ld count
             call put_bytes
-answered:   ld count
-            add #data & 0xFF
 
-; Send the reply whose payload ends before A.
-finish:     call seal
+; Send the reply, or the publish, whose payload was put: COBS, check, 00.
+finish:     in place
+            st end
+            ld #0
+            put                         ; so that the search for zeros ends
+            ld #(reply + 1) & 0xFF
+            st code
+            ldx reply + 2
+encode:     ld [x+]
+            jnz encode
+            in x                        ; X is behind a zero
+            st past
+            sub code
+            sub #1
+            follow code
+            st [x]
+            follow past
+            ld past
+            sub #1
+            st code
+            xor end
+            jnz encode
+            ldx reply
+            ld reply
+            xor #DEVICE_KIND_PUBLISH
+.if publishing
+            jz finish_publish
+.end
+            and #0x10                   ; zero: HELLO, OPEN, CLOSED, which are outside a session
+finish_seed: call seed
+            out [x+]
+            jmp sum_end
+sum:        out crc [x+]
+sum_end:    in x
+            xor end
+            jnz sum
+            in check
+            st [x+]
+            in check
+            st [x+]
+            in check
+            st [x+]
+            clr [x]
+            out send
+.if publishing
+            ld reply
+            xor #DEVICE_KIND_PUBLISH
+            jz next
+.end
             ld closing
             jnz closed
 
@@ -386,7 +410,7 @@ finish:     call seal
 done:       ld head
             add size
             or #0x80
-            st head
+free_head:  st head
             out free
             xor look
             jnz next
@@ -394,21 +418,16 @@ done:       ld head
             jmp next
 
 ; ---- Frames that are not executed
-
 dropped:    ld kind
             xor #discarded_session & 0x7F
-            jnz drop
-            ld told
+            or told
             jnz drop
             jsending listen
-            ld #1
-            st told
+            set told
             ld #discarded_session
             call bump
             ld #DEVICE_KIND_CLOSED
-            put
-            put
-            ld #(reply + 2) & 0xFF
+            st reply
             jmp finish
 drop:       ld kind
             or #0x80
@@ -440,10 +459,8 @@ listen:     ld paused
             jnz next
             jnpiece none
             note piece_taken
-            ld look
-            tax 1
-            ld [x]
-            st kind
+            follow look
+            get kind
 find:       ld [x+]
             jnz find
             in x                        ; X is behind the 00
@@ -451,43 +468,26 @@ find:       ld [x+]
             sub look
             and #0x7F
             st size
-            ld look
-            tax 1
+            follow look
             ld over
             jnz was_long
             ld size
             sub #longest + 2
             jc is_long
-            ld size
-            sub #around
-            jnc is_short
-            add #1
-            st rest                     ; bytes that are left: the COBS blocks
-            out crc_clear
             ld kind
             and #0xFE
             xor #REQUEST_KIND_HELLO
             st outside                  ; zero: HELLO or OPEN
-            jz seed_outside
+            jz has_session
             ld epoch_h
             xor #0xFF
             jz no_session
-            ld [x+]
-            xor epoch_l
-            out crc
-            ld [x]
-            xor epoch_h
-            out crc
-            jmp decode_block
-is_short:   ld kind                     ; nothing to check, but a session is asked for all the same
-            and #0xFE
-            xor #REQUEST_KIND_HELLO
-            jz is_wrong
-            ld epoch_h
-            xor #0xFF
-            jz no_session
-            jmp is_wrong
-seed_outside: call seed
+has_session: ld size
+            sub #around - 1
+            jnc is_wrong                ; it is too short
+            st rest                     ; bytes that are left: the COBS blocks
+            ld outside
+            call seed
             jmp decode_block
 decode_code: out crc [x]                ; a code: a zero of the payload
 decode_block: ld rest
@@ -506,11 +506,9 @@ decode_end: ld rest
             in check
             xor [x+]
             jnz is_wrong
-            tell check_next
             in check
             xor [x+]
             jnz is_wrong
-            tell check_next
             in check
             xor [x]
             jnz is_wrong
@@ -521,33 +519,25 @@ decode_end: ld rest
             jc is_long
             ld kind
             xor #REQUEST_KIND_POST
+            and #0xFF ^ REQUEST_KIND_POST ^ REQUEST_KIND_POST_LIST
             jz is_alive
-            ld kind
+            and #FRAME_DEVICE_BIT + 0x0D ; POST, or POST_LIST: no bit may be set
+            jz is_unknown
             and #FRAME_DEVICE_BIT
             jnz is_unknown
             ld kind
-            and #0x0D
-            xor #REQUEST_KIND_POST % 16 ; POST, or POST_LIST: no bit may be set
-            jnz is_request
-            ld kind
-            and #FRAME_CHAINED_BIT + FRAME_BARRIER_BIT
-            jnz is_unknown
-is_request: ld kind
             and #0x0F
             xor #REQUEST_KIND_CLOSE % 16
             jnz is_alive
-            ld #1
-            st paused
+            set paused
 is_alive:   tell alive
-is_right:   ld look
             jmp judged_kind
 is_outside: ld kind
             and #1
-            jz is_right
+            jz judged_kind
             st paused                   ; an OPEN
-            jmp is_right
-was_long:   ld #0
-            st over
+            jmp judged_kind
+was_long:   clr over
 is_long:    ld #discarded_long & 0x7F
             jmp judged
 no_session: ld #discarded_session & 0x7F
@@ -556,12 +546,9 @@ is_wrong:   ld #discarded_check & 0x7F
             jmp judged
 is_unknown: ld #discarded_kind & 0x7F
 judged:     st kind
-            ld look
-judged_kind: tax 1
-            ld kind
-            st [x+]
-            ld size
-            st [x+]
+judged_kind: follow look
+            give size
+            give kind
             ld after
             st look
             jmp next
@@ -573,24 +560,18 @@ none:       in status
             ld head
             xor look
             jnz next
-            ld #1                       ; nothing waits, and no frame is so long: keep the last byte
-            st over
-            ld head
+            ld head                     ; nothing waits, and no frame is so long: keep the last byte
             add #126
             or #0x80
+            st over
             st look
-            st head
-            out free
-            jmp next
-
+            jmp free_head
 ; ---- Sessions
 
 hello:      ld size
             xor #2 + around
             jnz drop_kind
             st told                     ; A is zero
-            ld #1
-            st offered
             ld nonce_l
             add #1
             st nonce_l
@@ -598,120 +579,93 @@ hello:      ld size
             adc #0
             st nonce_h
             ld #DEVICE_KIND_HELLO
-            put
-            put
-            ld [x+]                     ; both speak version 1, or none
+            st offered
+            st reply
+            clr low                     ; both speak version 1, or none
+            ld [x+]
             and #0xFE
-            jnz hello_none
+            jnz hello_version
             ld [x]
-            jz hello_more
+            jz hello_version
             ld #FRAME_VERSION
-            jmp hello_more
-hello_none: ld #0
-hello_more: put
+            st low
+hello_version: put low
             ldx nonce_h                 ; nonce, epoch, A, D
             ld #6
             call put_bytes
             ldx description + 4 * CONTROL_REQUEST_CREDIT + 2
             ld #6                       ; credit, request_max, reply_max
             call put_bytes
-            ld window
-            put
+            put window
             ld #cache_bytes
             put
-            ldx description + 4 * CONTROL_FEATURES + 2
-            ld #2
-            call put_bytes
+            put description + 4 * CONTROL_FEATURES + 2
+            put description + 4 * CONTROL_FEATURES + 3
             ldx description + 4 * CONTROL_SPEC_HASH_HIGH
             ld #8
             call put_bytes
-            ld #frames
-            call bump
-            ld #(reply + 2 + 25) & 0xFF
+            call bump_frames
             jmp finish
 
 open:       ld size
             xor #5 + around
             jnz drop_kind
             out time
-            jalert next                ; count the turn first
-            in x
-            st here
-            ld epoch_h
+            jalert next                 ; count the turn first
+            get high
+            get low
+            get id_h
             xor #0xFF
-            jz open_new                 ; none is open
-            ld [x+]                     ; the open session once more?
-            xor own_h
+            jz stale
+            get id_l
+            xor epoch_l                 ; the open session once more?
             jnz open_new
-            ld [x+]
-            xor own_l
-            jnz open_new
-            ld [x+]
+            ld id_h
             xor epoch_h
             jnz open_new
-            ld [x+]
-            xor epoch_l
+            ld low
+            xor own_l
+            jnz open_new
+            ld high
+            xor own_h
             jz opened
 open_new:   ld offered
             jz stale
-            ld here
-            tax 1
-            ld [x+]
+            ld high
             xor nonce_h
             jnz stale
-            ld [x+]
+            ld low
             xor nonce_l
             jnz stale
-            ld [x+]
-            st id_h
-            xor #0xFF
-            jz stale
-            ld [x+]
-            st id_l
             ld [x]
             jnz stale                   ; a flag is set
             st offered
             tell trip                   ; if the dead-man runs
-            ld nonce_h
-            st own_h
-            ld nonce_l
-            st own_l
-            ld id_h
-            st epoch_h
-            ld id_l
-            st epoch_l
-            call session
-opened:     ld #frames
-            call bump
-            ld #DEVICE_KIND_OPEN
-            put
-            put
+            ldx own_h
+            give nonce_h
+            give nonce_l
             ldx epoch_h
-            ld #2
-            call put_bytes
+            give id_h
+            give id_l
+            call session
+opened:     call bump_frames
+            ld #DEVICE_KIND_OPEN
+            st reply
+            put epoch_h
+            put epoch_l
             call clock
             ldx time_low
             ld #4
             call put_bytes
-            ld #(reply + 2 + 6) & 0xFF
             jmp finish
 
 close:      ld rest
-            jnz invalid
-            call judge
-            ld #1
-            st closing
-            ld #frames
-            call bump
-            ld #0
-            st count
-            jmp executed
-
-closed:     ld #0                       ; the reply of CLOSE is on its way
-            st closing
-            ld #0xFF
-            st epoch_h
-            st epoch_l
+            call judge_form
+            set closing
+            jmp nothing
+closed:     clr closing                 ; the reply of CLOSE is on its way
+            set epoch_h
+            set epoch_l
             call session
             jmp done
 
@@ -755,10 +709,8 @@ session_place: st [x+]
 post:       ld size
             xor post_size
             jnz drop_kind
-            ld [x+]
-            st id_h
-            ld [x+]
-            st id_l
+            get id_h
+            get id_l
             sub posts_l
             st scratch
             ld id_h
@@ -769,54 +721,41 @@ post:       ld size
             ld posts_l
             add #1
             st posts_l
-            jnc post_write
             ld posts_h
-            add #1
+            adc #0
             st posts_h
-post_write: ld a_bytes
-            call take_address
-            ld d_bytes
-            call take_word
-            out write
-            ld #posts
-            call bump
-post_wait:  jaccess post_wait
-            in status
-            and #bus_answer
-            jz done
-            jmp unanswered
-post_other: ld count
-            and #0x80
-            jnz post_old
+post_write: call write_word
+            jnz unanswered
+post_end:   ld #posts
+            jmp drop_at
+post_other: ld count                    ; its highest bit
+            add count
+            ld #posts_old
+            jc drop_at
             ld #posts_ahead
             jmp drop_at
-post_old:   ld #posts_old
-            jmp drop_at
-
 post_failed: ld #post_errors
             call bump
-            ld failed_h
-            or failed_l
+            ld first_status
             jnz post_noted
-            ld status
-            st first_status
-            ld id_h
-            st first_h
-            ld id_l
-            st first_l
+            ldx first_h
+            give id_h
+            give id_l
+            give status
 post_noted: ld failed_l                 ; it stops at FFFF
             add #1
             st scratch
             ld failed_h
             adc #0
-            jc done
+            jc post_end
             st failed_h
             ld scratch
             st failed_l
-            jmp done
+            jmp post_end
 
 ; ---- The place of a request. Returns if the request may be executed
 
+judge_form: jnz invalid
 judge:      ld id_h
             st high
             ld id_l
@@ -831,17 +770,14 @@ judge:      ld id_h
             ld kind
             and #FRAME_CHAINED_BIT
             jz not_chained
-            ld id_h                     ; the id before this one: it, or a later one, must have been executed
-            st high
-            ld id_l
+            ld id_l                     ; the id before this one: it, or a later one, must have been executed
             sub #1
-            jc before
             st scratch
-            ld high
-            sub #1
+            ld id_h
+            sbc #0
             st high
             ld scratch
-before:     call distance
+            call distance
             ld count
             or scratch
             jz not_chained
@@ -859,36 +795,26 @@ not_chained: ld kind
             ld barrier_l
             xor posts_l
             jnz behind
-may:        ld here
-            tax 1
+may:        call bump_frames
+            clr count
+            follow here
             ret
 
-order:      ld #REPLY_STATUS_ORDER
-            jmp refuse
-behind:     ld #REPLY_STATUS_BEHIND
-            jmp refuse
-
-not_new:    ld [x+]                     ; the status of the place
-            st status
+not_new:    get status                  ; of the place
             xor #not_executed
             jz stale
-            ld [x]
-            st count
+            get count
             ld #duplicates
             call bump
             ld count
             xor #not_kept
             jnz answer                  ; as before
-            ld #1
-            st repeated
+            set repeated
             ld kind
             and #0x0F
             xor #REQUEST_KIND_READ_CONTROL % 16
-            jnz invalid                 ; the id was another request's
-            ld here
-            tax 1
-            jmp registers
-
+            jz registers
+            jmp invalid_counted         ; the id was another request's
 ; How far the id `high`, A is ahead of the id of its place: `count`, `scratch`. A is the address of the place, and X is
 ; behind its id.
 distance:   st low
@@ -912,16 +838,11 @@ distance:   st low
 ; Let the id take its place.
 remember:   ld record
             tax 0
-            ld id_l
-            st [x+]
-            ld id_h
-            st [x+]
-            ld status
-            st [x+]
-            ld count
-            st [x+]
+            give id_l
+            give id_h
+            give status
+            give count
             ret
-
 ; X is the kept reply of the place.
 slot:       ld record
             and #0x1C
@@ -934,13 +855,8 @@ slot:       ld record
 ; ---- SYNC, control registers
 
 sync:       ld rest
-            jnz invalid
-            call judge
-            ld #frames
-            call bump
-            ld #REPLY_STATUS_OK
-            st status
-            call reply_head
+            call judge_form
+            call reply_ok
             ldx posts_h
             ld #7
             jmp put_reply
@@ -948,19 +864,15 @@ sync:       ld rest
 read_control: ld rest
             xor #3
             jnz invalid
-            ld [x+]
-            ld [x+]
-            ld [x]
+            get page
+            get control
+            get controls
             jz invalid                  ; a count of 0
             out time
-            jalert next                ; count the turn first
+            jalert next                 ; count the turn first
             call judge
-registers:  ld [x+]
+registers:  ld page
             jnz bad_address
-            ld [x+]
-            st control
-            ld [x]
-            st controls
             ld control                  ; three blocks; A is how far it is from the end of the block
             sub #CONTROL_SPEC_HASH_LOW + 1
             jnc block
@@ -977,13 +889,7 @@ bad_address: ld #REPLY_STATUS_BAD_ADDRESS
 block:      add controls
             jnc inside
             jnz bad_address
-inside:     ld repeated
-            jnz seen
-            ld #frames
-            call bump
-seen:       ld #REPLY_STATUS_OK
-            st status
-            call reply_head
+inside:     call reply_ok
             in status
             and #is_tripped + is_running
             st arm + 3
@@ -1008,55 +914,35 @@ now_seen:   ld controls
             add control
             st count
             add count                   ; 4 times the number: the address
-            jc page_1
             tax 0
-            jmp page
-page_1:     tax 1
-page:       ld scratch
+            jnc put_registers
+            tax 1
+put_registers: ld scratch
 
 ; Put A bytes from X to the reply, and finish it. Keep a copy if it is short.
 put_reply:  st count
-            st rest
             call put_bytes
             ld repeated
-            jnz put_end
+            jnz finish
+            call slot
+            give data
+            give data + 1
+            give data + 2
+            give data + 3
+            give data + 4
+            give data + 5
+            give data + 6
+            give data + 7
             ld count
             sub #cache_bytes + 1
             jnc put_kept
-            ld #not_kept
-            st count
-            call remember
-put_end:    ld rest
-            add #data & 0xFF
-            jmp finish
+            set count                   ; not kept
 put_kept:   call remember
-            call slot
-            in x
-            st past
-            ld #data & 0xFF
-            st code
-put_keep:   ld code
-            tax 1
-            ld [x+]
-            st scratch
-            in x
-            st code
-            ld past
-            tax 0
-            ld scratch
-            st [x+]
-            in x
-            st past
-            ld code
-            sub count
-            xor #data & 0xFF
-            jnz put_keep
-            jmp put_end
+            jmp finish
 
 write_control: ld rest
             xor #6
-            jnz invalid
-            call judge
+            call judge_form
             ld [x+]
             jnz bad_address
 .if publishing
@@ -1075,37 +961,27 @@ write_control: ld rest
             ld [x+]                     ; only the value 1
             or [x+]
             or [x+]
-            jnz invalid
+            jnz invalid_counted
             ld [x]
             xor #1
-            jnz invalid
+            jnz invalid_counted
             in status
             and #is_tripped_now
-            jnz denied_new
+            jnz denied
             tell arm
-            jmp controlled
+            jmp nothing
 write_ticks: in status
             and #is_tripped
-            jnz denied_new
-            ld [x]
-            st deadman_ticks
+            jnz denied
             out shift_data [x+]
-            ld [x]
-            st deadman_ticks + 1
             out shift_data [x+]
-            ld [x]
-            st deadman_ticks + 2
             out shift_data [x+]
-            ld [x]
-            st deadman_ticks + 3
             out shift_data [x+]
             tell start
-controlled: ld #frames
-            call bump
-            ld #0
-            st count
-            jmp executed
-
+            ldx deadman_ticks
+            ld #4
+            call keep
+            jmp nothing
 ; ---- Publishing
 
 .if publishing
@@ -1113,18 +989,17 @@ write_publish: ld [x+]
             ld [x+]                     ; only the values 0 and 1
             or [x+]
             or [x+]
-            jnz invalid
+            jnz invalid_counted
             ld [x]
             and #0xFE
-            jnz invalid
+            jnz invalid_counted
             ld [x]
             xor publish + 3
-            jz controlled               ; it is so already
+            jz nothing                  ; it is so already
             ld [x]
             st publish + 3
             note publishing
-            jmp controlled
-
+            jmp nothing
 ; DEFINE_GROUP: the form
 
 define_group: ld rest
@@ -1150,30 +1025,22 @@ define_form: jz define_formed
             sub #1
             jmp define_form
 define_formed: ld rest
-            jnz invalid
-            call judge
-            ld [x+]
-            st control
+            call judge_form
+            get control
             sub description + 4 * CONTROL_GROUPS + 1
             jc no_group
             ld [x+]
             or [x+]
-            jnz invalid                 ; a longer rate than two bytes
-            ld [x+]
-            st high
-            ld [x+]
-            st low
-            ld [x+]
-            st flags
+            jnz invalid_counted         ; a longer rate than two bytes
+            get high
+            get low
+            get flags
             ld description + 4 * CONTROL_GROUPS + 3
             sub [x]
             jnc no_group
-            ld [x+]
-            st count
+            get count
             in x
             st here
-            ld #frames
-            call bump
 
 ; DEFINE_GROUP: execute it. The strobes so far stay if the new rate is longer than they are. Nothing is due, because a
 ; publish goes before a request.
@@ -1191,8 +1058,7 @@ define_formed: ld rest
             add scratch
             st group
             tax 2
-            ld [x+]
-            st bit
+            get bit
             ld [x+]
             jz define_strobes
             ld [x+]
@@ -1208,28 +1074,22 @@ define_strobes: ld group
 define_rate: ld group
             or #group_rate
             tax 2
-            ld low
-            st [x+]
-            ld high
-            st [x+]
+            give low
+            give high
             clr [x+]                    ; the sequence begins anew
             clr [x+]
-            ld count
-            st [x+]
+            give count
             in x
             st past_group
             ld controls
             jz define_copied
-define_copy: ld here
-            tax 1
-            ld [x+]
-            st scratch
+define_copy: follow here
+            get scratch
             in x
             st here
             ld past_group
             tax 2
-            ld scratch
-            st [x+]
+            give scratch
             in x
             st past_group
             ld controls
@@ -1260,9 +1120,8 @@ define_event: st flags                  ; without words there is no event
             st [x]
 define_enabled: ld [x]
             note enabled
-            ld #0
-            st count
-            jmp executed
+            clr count
+            jmp nothing
 no_group:   ld #REPLY_STATUS_NO_GROUP
             jmp refuse
 
@@ -1285,8 +1144,7 @@ strobe:     note strobe_taken
             ld last_group
 scan:       st group
             tax 2
-            ld [x+]
-            st bit
+            get bit
             ld [x+]
             jz scan_next
             ld [x]
@@ -1343,8 +1201,7 @@ chosen:     st served
 by_event:   ld bit
             note events_taken
 publish_group: ld #DEVICE_KIND_PUBLISH
-            put
-            put                         ; the place of the code
+            st reply
             ld served                   ; its number, turned from the upper three bits into the lower ones
             st scratch
             add scratch
@@ -1361,50 +1218,38 @@ publish_group: ld #DEVICE_KIND_PUBLISH
             tax 2
             ld #2
             call put_bytes
-            ld [x+]
-            st count
+            get count
             in x
             st here
-            ld #(reply + 2 + 7) & 0xFF
-            st group_end
 stamp:      out time
             in wants
             and #wants_turn
             jz stamped
-            call turn                   ; count the turn first
+            tell turn_seen              ; count the turn first
+            ldx turns
+stamp_turn: ld [x]
+            add #1
+            st [x+]
+            jc stamp_turn
             jmp stamp
-stamped:    ld turns + 1
-            put
-            ld turns
-            put
+stamped:    put turns + 1
+            put turns
             in data
             put
-            out shift_data
             in data
             put
             ld #1
             note hold
             ld here
             tax 2
-publish_word: ld a_bytes
-            call take_address
+publish_word: call take_address
             out read
             call await
             jnz publish_fails
-            ld group_end
-            add d_bytes
-            st group_end
-            ld #4                       ; the word is in the low bytes of `data`
-            sub d_bytes
-            jz publish_bytes
-publish_align: out shift_data
-            sub #1
-            jnz publish_align
-publish_bytes: ld d_bytes
+            ld d_bytes
 publish_byte: st scratch
             in data
             put
-            out shift_data
             ld scratch
             sub #1
             jnz publish_byte
@@ -1429,9 +1274,9 @@ publish_byte: st scratch
 publish_counted: ld #publishes
             call bump
             note publish
-            ld group_end
-            call seal
-            jmp next
+            jmp finish
+finish_publish: ld #1
+            jmp finish_seed
 
 ; A word could not be read: nothing is sent.
 publish_fails: xor #bus_silent
@@ -1449,6 +1294,7 @@ publish_failed: call bump
 ; ---- Shared routines
 
 ; Increment the counter whose lowest byte is at A. It stops at FFFFFFFF.
+bump_frames: ld #frames
 bump:       tax 0
             ld [x]
             add #1
@@ -1466,7 +1312,6 @@ bump_full:  ld #0xFF
             st [x+]
             st [x+]
 bumped:     ret
-
 ; Make bytes zero from X on, up to the one at A. A is zero then.
 clear:      st scratch
 clear_next: clr [x+]
@@ -1475,121 +1320,50 @@ clear_next: clr [x+]
             jnz clear_next
             ret
 
-; The 16 bits of the clock have turned.
-turn:       tell turn_seen
-            ldx turns
-turn_next:  ld [x]
-            add #1
-            st [x+]
-            jnc turned
-            in x
-            xor #offered & 0xFF         ; behind `turns`
-            jnz turn_next
-turned:     ret
 
 ; The clock, as `out time` has found it, in time_low and time_high.
 clock:      ldx time_low
-            ld turns + 1
-            st [x+]
-            ld turns
+            give turns + 1
+            give turns
+            in data
             st [x+]
             in data
             st [x+]
-            out shift_data
-            in data
-            st [x+]
-            ld turns + 5
-            st [x+]
-            ld turns + 4
-            st [x+]
-            ld turns + 3
-            st [x+]
-            ld turns + 2
-            st [x+]
+            give turns + 5
+            give turns + 4
+            give turns + 3
+            give turns + 2
             ret
-
 ; Begin a reply.
+reply_ok:   clr status
 reply_head: ld status
             or #DEVICE_KIND_REPLY
-            put
-            put                         ; the place of the code
-            ldx id_h
-            ld #2
-            call put_bytes
-            ldx posts_h
-            ld #2
-put_bytes:  put [x+]                    ; put A bytes from X on
+            st reply
+            put id_h
+            put id_l
+            put posts_h
+            put posts_l
+            ret
+
+; Put A bytes from X on.
+put_bytes:  put [x+]
             sub #1
             jnz put_bytes
             ret
 
-; Send the reply, or the publish, whose payload ends before A: COBS, check, 00.
-seal:       st end
-            ld #0
-            put                         ; so that the search for zeros ends
-            ld #(reply + 1) & 0xFF
-            st code
-            ldx reply + 2
-encode:     ld [x+]
-            jnz encode
-            in x                        ; X is behind a zero
-            st past
-            sub code
-            sub #1
-            st scratch
-            ld code
-            tax 1
-            ld scratch
-            st [x]
-            ld past
-            tax 1
-            sub #1
-            st code
-            xor end
-            jnz encode
-            ldx reply
-            ld [x]
-.if publishing
-            xor #DEVICE_KIND_PUBLISH
-            jz sum_session
-            ld [x]
-.end
-            and #0x10                   ; HELLO, OPEN, CLOSED: outside a session
-            jnz sum_outside
-sum_session: out crc_clear
+; Begin a CRC: the epoch over kind and first code. Outside a session, where A is zero, the epoch is FFFF.
+seed:       set low
+            set high
+            jz seed_with
+            ld epoch_l
+            st low
+            ld epoch_h
+            st high
+seed_with:  out crc_clear
             ld [x+]
-            xor epoch_l
+            xor low
             out crc
             ld [x]
-            xor epoch_h
-            out crc
-            jmp sum_next
-sum_outside: call seed
-sum_next:   out [x+]
-            jmp sum_end
-sum:        out crc [x+]
-sum_end:    in x
-            xor end
-            jnz sum
-            in check
-            st [x+]
-            tell check_next
-            in check
-            st [x+]
-            tell check_next
-            in check
-            st [x+]
-            ld #0
-            st [x+]
-            out send
-            ret
-
-; Begin a CRC outside a session: over kind and first code, which are XORed with the first value instead.
-seed:       out crc_clear
-            ld [x+]
-            xor #0xFF
-            out crc
-            ld [x]
-            xor #0xFF
+            xor high
             out crc
             ret

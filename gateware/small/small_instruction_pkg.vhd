@@ -8,6 +8,14 @@
 -- The mode says what the operand is: 0 the byte at the address, 1 the address itself, 2 the byte at X, 3 the byte at X,
 -- and then X goes to the next byte. For do_point, 0 takes A with the upper bits of the address, and 1 the address. The
 -- other bit of the mode is the highest bit of this address, which has ten bits.
+--
+-- Modes that an operation has no use for are other instructions:
+--
+--   do_in     1  give:   the byte at X becomes the one at the address, and then X goes to the next byte
+--             3  get:    the byte at the address, and A, become the one at X, and then X goes to the next byte
+--   do_store  1  set:    the byte at the address becomes FF
+--   do_put    1  put A, in place of the operand
+--   do_clear  1  follow: X becomes 100 and the byte at the address
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +40,7 @@ package small_instruction_pkg is
   constant do_in    : std_ulogic_vector(3 downto 0) := "1000";  -- A becomes the byte of a port
   constant do_store : std_ulogic_vector(3 downto 0) := "1001";
   constant do_point : std_ulogic_vector(3 downto 0) := "1010";  -- X becomes the address, or its highest bit and A
-  constant do_put   : std_ulogic_vector(3 downto 0) := "1011";  -- A is the next byte of the reply
+  constant do_put   : std_ulogic_vector(3 downto 0) := "1011";  -- the operand is the next byte of the reply
   constant do_out   : std_ulogic_vector(3 downto 0) := "1100";  -- actions of the hardware
   constant do_tell  : std_ulogic_vector(3 downto 0) := "1101";  -- the same: the clock and the dead-man
   constant do_clear : std_ulogic_vector(3 downto 0) := "1110";  -- the operand becomes zero
@@ -75,7 +83,7 @@ package small_instruction_pkg is
   constant tell_arm          : natural := 5;
   constant tell_counted      : natural := 6;
   constant tell_alive        : natural := 7;
-  constant tell_check_next   : natural := 8;  -- the next seven bits of the CRC
+  constant tell_check_next   : natural := 8;  -- the next seven bits of the CRC; only do_in does this
 
   constant note_piece_taken  : natural := 0;  -- one piece less waits in the ring
   constant note_strobe_taken : natural := 1;  -- one base strobe less waits
@@ -84,10 +92,13 @@ package small_instruction_pkg is
   constant note_publishing   : natural := 4;  -- the lowest bit of A switches it on or off
   constant note_due          : natural := 5;  -- A has the groups that the program will publish
   constant note_hold         : natural := 6;  -- the lowest bit of A keeps the bus
-  constant note_again        : natural := 7;  -- the reply begins anew
+  constant note_again        : natural := 7;  -- the reply begins anew, behind its kind and first code
   constant note_publish      : natural := 8;  -- the reply is a publish
 
-  -- Ports.
+  -- Ports. With its bit, do_in also goes to the next byte of the word, or to the next bits of the CRC.
+  constant in_data_next  : natural := 7;
+  constant in_check_next : natural := 8;
+
   subtype small_port_t is std_ulogic_vector(2 downto 0);
 
   constant in_data   : small_port_t := "000";  -- the highest byte of the word
@@ -95,5 +106,6 @@ package small_instruction_pkg is
   constant in_status : small_port_t := "010";
   constant in_x      : small_port_t := "011";
   constant in_wants  : small_port_t := "100";  -- what publishing wants
+  constant in_place  : small_port_t := "101";  -- where the next byte of the reply goes
 
 end package;

@@ -79,7 +79,7 @@ architecture bench of byte_processor_tb is
     operation(load, immediate, 16#11#), jump(if_zero, 60), jump(if_carry, 60, '1'), jump(if_piece, 60, '1'),
     jump(if_sending, 60), jump(if_accessing, 60, '1'), jump(if_alert, 60), operation(store_it, direct, 10),  -- 11
     -- 56: two calls
-    jump(if_called, 65), operation(store_it, direct, 11), operation(put_it), jump(if_always, 61),
+    jump(if_called, 65), operation(store_it, direct, 11), operation(put_it, immediate), jump(if_always, 61),
     operation(store_it, direct, 0),
     -- 61: actions
     operation(act, direct, 16#105#), operation(tell, direct, 16#0A0#), jump(if_always, 75), jump(if_always, 64),

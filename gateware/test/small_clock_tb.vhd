@@ -15,7 +15,7 @@ use work.stream_bench_pkg.all;
 
 entity small_clock_tb is
   generic (
-    first_start : natural := 62856  -- of the first device: it reads its clock just before the turn
+    first_start : natural := 63032  -- of the first device: it reads its clock just before the turn
   );
 end entity;
 

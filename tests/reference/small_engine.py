@@ -62,7 +62,7 @@ class SmallEngine:
     def reset(self) -> None:
         """Reset it as the reset signal does. The memory keeps its contents."""
         self.position = self.come = self.free = self.sending = self.pieces = 0
-        self.put_at = self.reply_start
+        self.put_at = self.reply_start + 2
         self.tripped = self.running = self.tripped_now = self.uncounted = False
         self.waiting = bytearray()
         self.sent = bytearray()
@@ -122,19 +122,29 @@ class SmallEngine:
         operation, mode, address = word >> 11 & 15, word >> 9 & 3, word & 511
         place = self.x if mode > 1 else address
         operand = address & 255 if mode == 1 else self.memory[place]
-        given = operand if mode > 1 else self.a
+        given = operand if mode > 1 or (operation == 11 and mode == 0) else self.a
         if operation < 4:
             self.a = [operand, self.a & operand, self.a | operand, self.a ^ operand][operation]
         elif operation < 8:
             added = operand ^ 255 if operation > 5 else operand
             total = self.a + added + [0, self.carry, 1, self.carry][operation - 4]
             self.a, self.carry = total & 255, total >> 8
+        elif operation == 8 and mode == 3:  # get
+            self.a = self.memory[address] = operand
+        elif operation == 8 and mode == 1:  # give
+            self.memory[self.x] = self.memory[address]
+            mode = 3
         elif operation == 8:
             wants = (self.strobes > 0) << 6 | self.events
-            ports = (self.word >> 24, 0x80 | self.crc & 127, self._status(), self.x & 255, wants)
-            self.a = ports[address & 7]
+            check, there = 0x80 | self.crc & 127, self.put_at & 255
+            ports = (self.word >> 24, check, self._status(), self.x & 255, wants, there)
+            before, self.a = self.a, ports[address & 7]
+            if address >> 7 & 1:
+                self.word = (self.word << 8 | before) & 0xFFFFFFFF
+            if address >> 8:
+                self.crc >>= 7
         elif operation == 9:
-            self.memory[place] = self.a
+            self.memory[place] = 255 if mode == 1 else self.a
         elif operation == 10:
             self.x = (mode & 2) << 8 | (address if mode & 1 else address & 256 | self.a)
             return
@@ -146,6 +156,8 @@ class SmallEngine:
             self._out(address, given)
         elif operation == 13:
             self._tell(address)
+        elif operation == 14 and mode == 1:  # follow
+            self.x = 256 | self.memory[address]
         elif operation == 14:
             self.memory[place] = 0
         else:
@@ -185,13 +197,13 @@ class SmallEngine:
         if actions & 128:
             end = self.memory.index(0, self.reply_start) + 1
             self.sent += self.memory[self.reply_start : end]
-            self.put_at = self.reply_start
+            self.put_at = self.reply_start + 2
             self.sending = self.reply_steps
         if actions & 256:
             self.free = given & 127
 
     def _tell(self, actions: int) -> None:
-        """Do those actions of the dead-man that need no time, and shift the CRC."""
+        """Do those actions of the dead-man that need no time."""
         if actions & 4:
             self.running = self.word != 0 and not self.tripped
         if actions & 8 and self.running:
@@ -205,8 +217,6 @@ class SmallEngine:
             self.tripped = False
         if actions & 64:
             self.uncounted = False
-        if actions & 256:
-            self.crc >>= 7
 
     def _alert(self) -> bool:
         return self.strobes > 0 or (self.publishing and bool(self.events or self.due))
@@ -226,7 +236,7 @@ class SmallEngine:
         if actions & 64:
             self.holding = bool(given & 1)
         if actions & 128:
-            self.put_at = self.reply_start
+            self.put_at = self.reply_start + 2
 
     def _access(self, *, writes: bool) -> None:
         self.answer = 0
@@ -238,7 +248,7 @@ class SmallEngine:
             else:
                 if self.memory[self.reply_start] == p.DEVICE_KIND_PUBLISH:
                     self.held.append(self.holding)
-                self.word = self.bus.read(self.address)
+                self.word = self.bus.read(self.address) << 8 * (4 - self.settings.d)
         except BusError as error:
             self.answer = error.status
 

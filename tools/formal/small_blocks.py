@@ -29,13 +29,14 @@ PLAIN = _assemble.assemble(_assemble.SOURCE.read_text(encoding="utf-8"), "plain"
 
 # Places of the program, and bytes of its memory, that the property file names.
 _LABELS = (
-    "now", "listen", "decode_end", "is_long", "no_session", "is_wrong", "judged", "judged_kind",
+    "now", "take_address", "write_word", "open_new",
+    "listen", "decode_end", "is_long", "no_session", "is_wrong", "judged", "judged_kind",
     "drop", "done", "judge", "distance", "not_new", "put_reply", "remember", "slot", "fails", "post",
-    "post_write", "write", "open", "session", "session_place", "bump", "clear",
+    "finish", "write", "open", "session", "session_place", "bump", "clear",
 )  # fmt: skip
 _VARIABLES = (
     "kind", "id_h", "id_l", "record", "status", "count", "repeated", "scratch", "found", "low", "high",
-    "past", "head", "look", "after", "outside", "posts_h", "posts_l", "places",
+    "head", "look", "after", "outside", "posts_h", "posts_l", "places",
 )  # fmt: skip
 _ADDRESSES = {f"at_{name}": PLAIN.labels[name] for name in _LABELS} | {
     f"byte_{name}": PLAIN.names[name] for name in _VARIABLES
@@ -54,7 +55,7 @@ _SEEN = (
 )
 _PROCESSOR = (
     "position", "caller", "caller_before", "instruction", "a", "x", "carry", "loads", "loads_carry", "points",
-    "goes_on",
+    "goes_on", "moves", "follows",
 )  # fmt: skip
 
 SMALL_BLOCKS = (
@@ -76,11 +77,11 @@ SMALL_BLOCKS = (
             # A READ is executed without a look at its id.
             Mutant(
                 "small_program_pkg.vhd",
-                'x"F23C", x"00CC", x"F081", x"6004"',
-                'x"00CC", x"00CC", x"F081", x"6004"',
+                'x"F1F7", x"F05E", x"6004"',
+                'x"00CC", x"F05E", x"6004"',
             ),
-            Mutant("small_program_pkg.vhd", 'x"F292", x"F373"', 'x"00DD", x"F373"'),  # nothing is remembered
-            Mutant("small_program_pkg.vhd", 'x"9A20"', 'x"0201"'),  # any POST is the next one
+            Mutant("small_program_pkg.vhd", 'x"F243", x"F2E5"', 'x"00DD", x"F2E5"'),  # nothing is remembered
+            Mutant("small_program_pkg.vhd", 'x"99DF"', 'x"0201"'),  # any POST is the next one
             Mutant(
                 "byte_processor.vhd",
                 "carry_in   <= carry when operation(0) = '1' else operation(1);",

@@ -33,7 +33,7 @@ FACTS = (
     "x_ring",  # X is 180 or more
     "look_high",
     "after_high",
-    "past_low",
+    "x_clear",  # X is below 80, or 100 or more: where no id, counter or word of the program is
     "kind_legal",  # what a checked frame may have as its kind
     "kind_small",  # below 48
     "post_or_older",
@@ -48,14 +48,16 @@ IMPLIED = {
     "renewed": ("settled",),
     "older": ("fresh", "post_or_older"),
     "recorded": ("post_or_recorded",),
-    "x_ring": ("x_high",),
+    "x_ring": ("x_high", "x_clear"),
+    "x_high": ("x_clear",),
+    "x_low": ("x_clear",),
     "a_counter": ("a_high",),
     "kind_small": ("kind_legal",),
 }
 OF_PLACE = ("older", "fresh", "remembered", "settled", "post_or_older")
 OF_ID = (*OF_PLACE, "recorded", "post_or_recorded", "next")
 OF_A = ("a_high", "a_low", "a_counter")
-OF_X = ("x_low", "x_counter", "x_high", "x_ring")
+OF_X = ("x_low", "x_counter", "x_high", "x_ring", "x_clear")
 KILLED_BY_STORE = {
     "id_h": (*OF_PLACE, "next"),
     "id_l": OF_ID,
@@ -78,7 +80,6 @@ KILLED_BY_STORE = {
     "look": ("look_high",),
     "after": ("after_high",),
     "head": ("head_high",),
-    "past": ("past_low",),
 }
 HIGH_PAGE = ("next", "out_known")  # facts about bytes from 100 to 17F
 KEPT_HIGH = {"look": "look_high", "after": "after_high", "head": "head_high"}
@@ -87,21 +88,21 @@ COUNTERS = range(0x80, 0xC8)
 BEGINS = (
     ("now", 7, "none"),
     ("now", 7, "reached"),
-    ("now", 18, "not_post"),
-    ("now", 10, "kind_legal"),
+    ("now", 14, "not_post"),
+    ("now", 9, "kind_legal"),
     ("post", 0, "is_post"),
     ("post_failed", 0, "is_post"),
     ("judge", 11, "older"),
     ("judge", 5, "recorded"),
-    ("not_new", 13, "fresh"),
-    ("put_reply", 5, "older"),
+    ("not_new", 10, "fresh"),
+    ("put_reply", 4, "older"),
+    ("remember", 4, "remembered"),
+    ("remember", 5, "remembered"),
     ("remember", 6, "remembered"),
-    ("remember", 8, "remembered"),
-    ("remember", 10, "remembered"),
     ("answer", 0, "settled"),
     ("session", 1, "renewed"),
     ("post_write", 0, "next"),
-    ("listen", 32, "out_known"),
+    ("listen", 23, "out_known"),
     ("dropped", 0, "kind_small"),
     ("drop", 2, "a_counter"),
     ("slot", 5, "a_low"),
@@ -198,22 +199,22 @@ class Analysis:
         line = self.lines[place]
         operation, operand = line.operation, line.operand
         ends = 0
-        if operation in ("ld", "and", "or", "xor", "add", "adc", "sub", "sbc", "in"):
+        if operation in ("ld", "and", "or", "xor", "add", "adc", "sub", "sbc", "in", "get"):
             ends |= mask(OF_A)
-        if operation in ("ldx", "tax"):
+        if operation in ("ldx", "tax", "follow"):
             ends |= mask(OF_X)
         if operation in ("out", "tell") and {"read", "write", "start", "arm"} & set(operand.split()):
             ends |= BIT["none"] | BIT["settled"]
-        if operand.endswith("[x+]"):
+        if operand.endswith("[x+]") or operation in ("get", "give"):
             ends |= BIT["x_counter"]
         if operation == "put":
             ends |= mask(HIGH_PAGE)
-        if operation in ("st", "clr"):
-            if operand.startswith("[x"):
+        if operation in ("st", "clr", "set", "get", "give"):
+            if operand.startswith("[x") or operation == "give":
                 known = self.facts[place]
                 if known & BIT["x_ring"] or known & BIT["x_low"] or known & BIT["x_counter"]:
                     pass
-                elif known & BIT["x_high"]:
+                elif known & BIT["x_clear"]:
                     ends |= mask(HIGH_PAGE)
                 else:
                     ends |= mask(HIGH_PAGE if self._is_counter_store(place) else OF_PLACE)
@@ -223,7 +224,7 @@ class Analysis:
 
     def _is_counter_store(self, place: int) -> bool:
         """Whether `clear` stores. There X is below the counters' end, or in a higher page."""
-        return bool(self.labels["clear"] <= place < self.labels["turn"])
+        return bool(self.labels["clear"] <= place < self.labels["clock"])
 
     def _address(self, operand: str) -> int:
         return int(eval(operand, {"__builtins__": {}}, dict(self.names)))
@@ -244,8 +245,6 @@ class Analysis:
             name = self.byte.get(self._address(operand), "")
             if name in KEPT_HIGH and known & BIT[KEPT_HIGH[name]]:
                 made.append("a_high")
-            if name == "past" and known & BIT["past_low"]:
-                made.append("a_low")
         elif operation == "in" and operand == "x":
             made += ["a_high"] * bool(known & BIT["x_ring"]) + ["a_low"] * bool(known & BIT["x_low"])
         elif operation == "ldx":
@@ -259,6 +258,9 @@ class Analysis:
                 if value < 0x80
                 else ""
             )
+        elif operation == "follow":
+            name = self.byte.get(self._address(operand), "")
+            made.append("x_ring" if known & BIT.get(KEPT_HIGH.get(name, ""), 0) else "x_high")
         elif operation == "tax" and operand == "1":
             made.append("x_ring" if known & BIT["a_high"] else "x_high")
         elif operation == "tax" and operand == "0":
@@ -267,8 +269,6 @@ class Analysis:
             name = self.byte.get(self._address(operand), "")
             if name in KEPT_HIGH and known & BIT["a_high"]:
                 made.append(KEPT_HIGH[name])
-            if name == "past" and known & BIT["a_low"]:
-                made.append("past_low")
         return mask(tuple(filter(None, made)))
 
     def _find(self) -> None:

@@ -25,6 +25,7 @@ NOTE = "Generated from gateware/small/program.asm by tools/small/assemble.py; ed
 PROGRAM_WORDS = {"plain": 1024, "publishing": 2048}
 MEMORY_BYTES = 1024
 DIRECT_BYTES = 512  # an instruction reaches the bytes above only by X
+PAGE_BYTES = 256
 
 # They are the same as in gateware/small/small_instruction_pkg.vhd.
 OPERATIONS = (
@@ -47,7 +48,10 @@ OPERATIONS = (
 )
 CONDITIONS = ("jmp", "jz", "jc", "jpiece", "jsending", "jaccess", "jalert", "call")
 INVERTED = {"ret": "jmp", "jnz": "jz", "jnc": "jc", "jnalert": "jalert", "jnpiece": "jpiece"}
-PORTS = ("data", "check", "status", "x", "wants")
+PORTS = ("data", "check", "status", "x", "wants", "place")
+GOES_ON = {"data": 1 << 7, "check": 1 << 8}  # these ports go to their next byte
+# Instructions that have the code of another one, and a mode that the other one has no use for.
+SHARED = {"get": ("in", 3), "give": ("in", 1), "follow": ("clr", 1), "set": ("st", 1)}
 ACTIONS = {
     "out": ("shift_data", "shift_address", "read", "write", "time", "crc", "crc_clear", "send", "free"),
     "tell": ("turn_seen", "overrun_seen", "start", "trip", "renew", "arm", "counted", "alive", "check_next"),
@@ -195,17 +199,24 @@ def word_of(line: Line, program: Program) -> int:
         address = within(value_of(operand, program.names), most, operand) << (0 if name == "ldx" else 8)
         high, low = divmod(address, DIRECT_BYTES)
         return OPERATIONS.index("ldx") << 11 | high << 10 | (name == "ldx") << 9 | low
+    if name in SHARED:
+        code, mode = SHARED[name]
+        most = PAGE_BYTES if name == "follow" else DIRECT_BYTES
+        address = within(value_of(operand, program.names), most, operand)
+        return OPERATIONS.index(code) << 11 | mode << 9 | address
     if name not in OPERATIONS:
         raise Mistake(f"there is no instruction {name}")
     code = OPERATIONS.index(name) << 11
     if name == "in":
-        return code | PORTS.index(operand)
+        return code | GOES_ON.get(operand, 0) | PORTS.index(operand)
     *actions, last = operand.split() or [""]
     mode = MODES.get(last, DIRECT) << 9
     if name in ACTIONS:
         chosen = actions if mode else operand.split()
         return code | mode | sum(1 << ACTIONS[name].index(action) for action in chosen)
-    if name == "put" or mode:
+    if name == "put" and not operand:
+        return code | IMMEDIATE << 9
+    if mode:
         return code | mode
     if operand.startswith("#"):
         return code | IMMEDIATE << 9 | within(value_of(operand[1:], program.names), 256, operand)
@@ -275,8 +286,9 @@ def listing(programs: Mapping[str, Program]) -> str:
         f"<!-- {NOTE} -->",
         "# The program of the small engine, as assembled",
         "",
-        f"The program with publishing has {len(program.words)} of {program.room} instructions.",
-        f"The one without publishing has {len(plain.words)} of {plain.room}.",
+        f"The program with publishing has {len(program.words)} of {program.room} instructions: "
+        f"{free(program)} % are free.",
+        f"The one without publishing has {len(plain.words)} of {plain.room}: {free(plain)} % are free.",
         "It lacks the lines with a `+`, so its places are lower.",
         "",
         "Read [framed_small](framed_small.md) first.",
@@ -293,6 +305,11 @@ def listing(programs: Mapping[str, Program]) -> str:
         text = f"{place:03X} {word:04X} {mark}{label:15}{line.operation} {line.operand}"
         lines.append(f"{text:50}{'; ' + line.comment if line.comment else ''}".rstrip())
     return "\n".join([*lines, "```"]) + "\n"
+
+
+def free(program: Program) -> int:
+    """Return how many percent of the room of the program are free."""
+    return 100 * (program.room - len(program.words)) // program.room
 
 
 def places(program: Program) -> str:

@@ -150,12 +150,12 @@ inline constexpr std::uint32_t publish_period_min = 3000;
 }  // namespace small_engine
 
 namespace small_latency {
-inline constexpr std::uint32_t tick = 222;
-inline constexpr std::uint32_t tick_group = 34;
+inline constexpr std::uint32_t tick = 208;
+inline constexpr std::uint32_t tick_group = 32;
 inline constexpr std::uint32_t tick_address_byte = 6;
 inline constexpr std::uint32_t tick_jitter = 120;
 inline constexpr std::uint32_t scan = 60;
-inline constexpr std::uint32_t request = 4200;
+inline constexpr std::uint32_t request = 3700;
 inline constexpr std::uint32_t check = 1300;
 inline constexpr std::uint32_t publish = 540;
 inline constexpr std::uint32_t publish_word = 66;
