@@ -41,7 +41,8 @@
 #                with this one)
 #   make lerobot works with LeRobot itself, in build/lerobot (5.4 GB, ten minutes the first time)
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is
-#                SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
+#                SEED + MESSAGES / 360000; RTL=1 MESSAGES=1000000: of the compiled gateware, both engines; the next
+#                shard's SEED is behind the last seed that it prints); make mutants: what it must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make packages  packages of the wheel for Debian, conda and Homebrew, as far as they can be made here, in
@@ -236,7 +237,9 @@ mutants: $(NATIVE)/.built
 	$(BIN)/python tools/mutants.py $(if $(SAMPLE),--sample $(SAMPLE))
 
 soak: $(VENV)/.built
-	$(BIN)/unitylink faults --messages $(MESSAGES) --seed $(SEED) --jobs 2
+	@$(if $(RTL),tools/setup.sh rtl)
+	$(if $(RTL),$(BIN)/python tests/gateware/fuzz_rtl_faults.py,$(BIN)/unitylink faults --jobs 2) \
+	  --messages $(MESSAGES) --seed $(SEED)
 
 lerobot: $(VENV)/.built
 	@tools/setup.sh group test

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The compiled gateware with faulty transfers: every operation ends in its time, as with the twin.
 
-The long form is `python tests/gateware/fuzz_rtl_faults.py --seconds 60`.
+The long form is `python tests/gateware/fuzz_rtl_faults.py --messages 100000`: both engines, and all profiles.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ SPEC = """public lied_about() {
 PROFILES = ["quiet", "restarts", "dead", "half-dead", "closing", "renewing", "refusing"]
 
 
-def compiled(folder: Path) -> tuple[RtlModel, object]:
+def compiled(folder: Path, engine: str = "fast") -> tuple[RtlModel, object]:
     """Return the gateware with the words of two clients, and its configuration."""
     file = folder / "lied_about.ul"
     file.write_text(SPEC)
     spec = load(file)
-    configuration = rtl_configuration(spec)
+    configuration = rtl_configuration(spec, engine=engine, protocol="framed" if engine == "small" else "both")
     return build_model(design_of(spec, configuration)), configuration
 
 

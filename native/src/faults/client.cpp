@@ -79,7 +79,8 @@ void Client::post(std::uint64_t now_ns) {
   session_ = framed_->sessions();
   for (std::size_t index = 0; index < posts_;) {
     std::array<Post, post_words_most> made;
-    const std::span<Post> list = std::span(made).first(std::min(1 + random_() % post_words_most, posts_ - index));
+    const std::size_t drawn = 1 + random_() % post_words_most;
+    const std::span<Post> list = std::span(made).first(std::min(tally_.lists ? drawn : 1, posts_ - index));
     for (Post& word : list) {
       word = {any_address(), next_value()};
     }
@@ -103,6 +104,9 @@ void Client::begin(std::uint64_t now_ns) {
           : draw < 8 ? Kind::chain
           : draw < 9 ? (framed_ != nullptr ? Kind::transfer : Kind::read_many)
                      : (framed_ != nullptr ? Kind::posts : Kind::write);
+  if (framed_ != nullptr && !tally_.lists) {
+    kind_ = kind_ == Kind::read_many ? Kind::read : kind_ == Kind::transfer ? Kind::chain : kind_;
+  }
   used_ = posts_ = 0;
   batch_ = {};
   journal_.begin();

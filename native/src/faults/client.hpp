@@ -30,6 +30,7 @@ struct Tally {
   // the device gives false answers, so requests may end with errors although they could be repeated
   bool lied_to = false;
   std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on the device is honest again
+  bool lists = true;                             // the device executes lists
 };
 
 class Client {

@@ -168,6 +168,7 @@ class Simulation {
       device_ = std::move(made);
     }
     clock_ns_ = 1'000'000'000 / device_->configuration().clock_hz;
+    tally_.lists = device_->configuration().lists;
   }
 
   void on_write(std::uint32_t address, std::uint32_t value) {
