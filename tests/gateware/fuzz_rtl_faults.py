@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count, product
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ KINDS = (("fast", "framed"), ("fast", "classic"), ("small", "framed"))  # engine
 # runs on meanwhile: a message costs some hundred times the work. So these histories are shorter.
 WAITING = ("restarts", "dead", "half-dead", "closing", "renewing", "refusing")
 MESSAGES, MESSAGES_WAITING = 2000, 100  # of a history
+PROGRESS = 50_000  # messages after which the sums are printed
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,34 @@ class History:
     engine: str
     protocol: str
     messages: int
+
+
+@dataclass
+class Sums:
+    """What the histories from `first_seed` up to, and without, `seed` have shown."""
+
+    first_seed: int
+    seed: int = 0
+    faults: int = 0
+    failures: int = 0
+    messages: Counter[tuple[str, str]] = field(default_factory=Counter)  # of each engine and protocol
+    work_s: dict[tuple[str, str], float] = field(default_factory=dict)
+
+    def add(self, history: History, report: dict[str, Any], work_s: float) -> None:
+        kind = history.engine, history.protocol
+        self.messages[kind] += report["messages"]
+        self.work_s[kind] = self.work_s.get(kind, 0.0) + work_s
+        self.faults += report["faults"]
+        self.seed = history.seed + 1
+        if report["violations"]:
+            self.failures += 1
+            print(f"{history}: {report['violations'][:5]}", flush=True)
+
+    def __str__(self) -> str:
+        return (
+            f"seeds {self.first_seed} to {self.seed - 1}, {self.messages.total():,} messages, "
+            f"{self.faults:,} faults, {self.failures} failed"
+        )
 
 
 def histories(first_seed: int, profiles: list[str]) -> Iterator[History]:
@@ -61,34 +90,27 @@ def main() -> int:
 
     with tempfile.TemporaryDirectory() as folder:
         gateware = {engine: compiled(Path(folder), engine) for engine, _ in KINDS}
-    end = time.monotonic() + arguments.seconds
-    messages: Counter[tuple[str, str]] = Counter()
-    work_s: Counter[tuple[str, str]] = Counter()
-    faults, failures, seed = 0, 0, arguments.seed
+    end_s = time.monotonic() + arguments.seconds
+    sums = Sums(arguments.seed)
+    told = 0
     for history in histories(arguments.seed, [name for name, _ in _native.fault_profiles()]):
-        seed = history.seed
-        enough = time.monotonic() >= end
+        sums.seed = history.seed
+        enough = time.monotonic() >= end_s
         if arguments.messages is not None:
-            enough = messages.total() >= arguments.messages
+            enough = sums.messages.total() >= arguments.messages
         if enough:
             break
         begun_s = time.process_time()
         report = played(history, CLIENTS, gateware[history.engine])
-        kind = history.engine, history.protocol
-        work_s[kind] += time.process_time() - begun_s  # type: ignore[assignment]  # a Counter adds any number
-        messages[kind] += report["messages"]
-        faults += report["faults"]
-        if report["violations"]:
-            failures += 1
-            print(f"{history}: {report['violations'][:5]}", flush=True)
-    for kind, number in messages.items():
-        rate = number / work_s[kind]
+        sums.add(history, report, time.process_time() - begun_s)
+        if sums.messages.total() // PROGRESS > told:
+            told = sums.messages.total() // PROGRESS
+            print(f"[{sums}]", flush=True)
+    for kind, number in sums.messages.items():
+        rate = number / sums.work_s[kind]
         print(f"{' '.join(kind)}: {number:,} messages, {rate:,.0f} in a second of processor time")
-    print(
-        f"fuzz_rtl_faults: seeds {arguments.seed} to {seed - 1}, {messages.total():,} messages, "
-        f"{faults:,} faults, {failures} failed"
-    )
-    return 1 if failures else 0
+    print(f"fuzz_rtl_faults: {sums}")
+    return 1 if sums.failures else 0
 
 
 def played(history: History, clients: int, gateware: tuple[Any, Any]) -> dict[str, Any]:
