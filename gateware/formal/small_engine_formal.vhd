@@ -29,7 +29,8 @@ entity small_engine_formal is
   generic (
     facts : string;  -- of each place: 24 hexadecimal digits
     -- Places of the program.
-    at_now, at_take_address, at_write_word, at_open_new, at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind,
+    at_now, at_take_address, at_write_word, at_open_new,
+      at_listen, at_decode_end, at_is_long, at_no_session, at_is_wrong, at_judged, at_judged_kind,
       at_drop, at_done, at_judge, at_distance, at_not_new, at_put_reply, at_remember, at_slot, at_fails, at_post,
       at_finish, at_write, at_open, at_session, at_session_place, at_bump, at_clear : natural;
     -- Bytes of the memory.
@@ -334,7 +335,8 @@ begin
 
   steps : entity work.small_steps
     generic map (
-      at_now => at_now, at_open_new => at_open_new, at_listen => at_listen, at_decode_end => at_decode_end, at_is_long => at_is_long,
+      at_now => at_now, at_open_new => at_open_new,
+      at_listen => at_listen, at_decode_end => at_decode_end, at_is_long => at_is_long,
       at_no_session => at_no_session, at_is_wrong => at_is_wrong, at_judged => at_judged,
       at_judged_kind => at_judged_kind, at_drop => at_drop, at_judge => at_judge, at_distance => at_distance,
       at_not_new => at_not_new, at_put_reply => at_put_reply, at_remember => at_remember, at_slot => at_slot,

@@ -200,10 +200,10 @@ def word_of(line: Line, program: Program) -> int:
         high, low = divmod(address, DIRECT_BYTES)
         return OPERATIONS.index("ldx") << 11 | high << 10 | (name == "ldx") << 9 | low
     if name in SHARED:
-        code, mode = SHARED[name]
+        kin, shared_mode = SHARED[name]
         most = PAGE_BYTES if name == "follow" else DIRECT_BYTES
         address = within(value_of(operand, program.names), most, operand)
-        return OPERATIONS.index(code) << 11 | mode << 9 | address
+        return OPERATIONS.index(kin) << 11 | shared_mode << 9 | address
     if name not in OPERATIONS:
         raise Mistake(f"there is no instruction {name}")
     code = OPERATIONS.index(name) << 11
