@@ -194,7 +194,10 @@ class StepgenRamp {
         now.carry = !borrow_;
         return now;
       case State::load_velocity_target: return with(now, State::load_size, velocity_target);
-      case State::load_size: return with(now, State::compare_speed, velocity_target, Kept::none, negative);
+      case State::load_size:
+        now = with(now, State::compare_speed, velocity_target, Kept::none, negative);
+        now.carry = false;
+        return now;
       case State::compare_speed: return with(now, State::load_goal, speed, Kept::sum, true);
       case State::load_goal:
         if (!goes_ || brakes_) {

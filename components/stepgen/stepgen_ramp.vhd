@@ -188,9 +188,10 @@ begin
         read_word <= word_velocity_target;
       when load_size =>
         after_it <= compare_speed;
+        -- Without the carry the most negative target has a magnitude, too. A target of minus the speed counts as less
+        -- than the speed, which is the same goal.
         read_word <= word_velocity_target;
         minus     <= sum(31);
-        carry     <= sum(31);
       when compare_speed =>
         after_it <= load_goal;
         read_word <= word_speed;

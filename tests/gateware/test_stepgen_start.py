@@ -35,3 +35,17 @@ def test_axes_begin_together_or_a_ramp_period_apart(order: tuple[int, int]) -> N
     together = [clocks for clocks in apart if clocks <= BASE_CLOCKS]
     assert all(clocks <= BASE_CLOCKS or abs(clocks - PERIOD_CLOCKS) <= BASE_CLOCKS for clocks in apart)
     assert len(together) > 0.8 * len(apart)
+
+
+@pytest.mark.parametrize("target", [-(2**31), 2**31 - 1])
+def test_no_axis_begins_with_a_speed_of_zero(target: int) -> None:
+    """The magnitude of the most negative target has no place in 32 bits."""
+    spec = compile_text("link l(ADDRESS=8); public a() { one: stepgen(axes=1); }").spec
+    assert spec is not None
+    (one,) = components_of(spec, CLOCK_HZ)
+    written = {2: 0, 3: 2**20 - 1, 4: target % 2**32, 0: 3}
+    stimuli = [(300 + 50 * number, "w", *word) for number, word in enumerate(written.items())]
+    limited = [what for at, what, *_ in play_model(one, stimuli, 40_000) if what == "o" and at > 100]
+    stimuli += [(20_000, "w", 2, 2**28 - 1)]
+    free = [what for at, what, *_ in play_model(one, stimuli, 40_000) if what == "o" and at > 100]
+    assert not limited and free

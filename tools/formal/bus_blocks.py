@@ -173,4 +173,44 @@ BUS_BLOCKS = (
             Mutant("axi_lite_slave.vhd", "axi_lite_m2s.bready = '1' then", "true then"),
         ),
     ),
+    Block(
+        "bus_sequencer",
+        "`common/bus_sequencer` with any program, one value, a failures_most of 3, words of 8 bits",
+        depth=0,
+        deep=12,
+        pdr=True,
+        reach=40,
+        seen={
+            name: f"dut.{name}"
+            for name in (
+                *("state", "word", "tick", "enable", "valid", "bank", "pointer", "failing"),
+                *("in_a_row", "age", "failures"),
+            )
+        },
+        loose=("dut.fetched", "dut.tick_phase", "dut.timer"),
+        not_proven="what the values are, outputs, and the times of a program: the benches have them; that a "
+        "bus answers each byte: see `i2c_device` and `modbus_master_line`",
+        mutants=(
+            Mutant(
+                "bus_sequencer.vhd", "ends and not failing and not wishbone_m2s.cyc;", "ends and not failing;"
+            ),
+            Mutant("bus_sequencer.vhd", "ends and not failing and not", "ends and not"),
+            Mutant(
+                "bus_sequencer.vhd",
+                "when in_a_row = failures_most - 1 or",
+                "when in_a_row = failures_most or",
+            ),
+            Mutant(
+                "bus_sequencer.vhd",
+                "(reply.failed = '1' or differs = '1') then\n        failing",
+                "reply.failed = '1' then\n        failing",
+            ),
+            Mutant("bus_sequencer.vhd", "anew     <= halts or too_many;", "anew     <= too_many;"),
+            Mutant(
+                "bus_sequencer.vhd",
+                "if reset = '1' or commits = '1' then\n        age",
+                "if reset = '1' or starts = '1' then\n        age",
+            ),
+        ),
+    ),
 )

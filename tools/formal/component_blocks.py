@@ -236,6 +236,43 @@ COMPONENT_BLOCKS = (
         ),
     ),
     Block(
+        "stepgen_ramp",
+        "`components/stepgen`, the velocities of one axis: any parameters, which change between two passes",
+        depth=0,
+        deep=12,
+        induction=4,
+        by_abc=True,
+        reach=62,
+        seen={
+            name: f"dut.{name}"
+            for name in (
+                *("state", "executes", "adds", "sum", "slower", "goal_down", "goes", "to_target", "brakes"),
+                *("place", "tick"),
+            )
+        },
+        loose=("dut.count",),
+        not_proven="where a move brakes: the bench compares it with the equations of motion; parameters that "
+        "are written in the middle of a pass",
+        mutants=(
+            Mutant(
+                "stepgen_ramp.vhd",
+                "minus     <= sum(31);\n      when compare_speed",
+                "minus     <= sum(31);\n        carry     <= sum(31);\n      when compare_speed",
+            ),
+            Mutant("stepgen_ramp.vhd", "minus     <= not sum(31);", "minus     <= sum(31);"),
+            Mutant("stepgen_ramp.vhd", "if sum(31) /= slower then", "if sum(31) = slower then"),
+            Mutant("stepgen_ramp.vhd", "word_velocity when bank = '0'", "word_velocity when bank = '1'"),
+            Mutant("stepgen_ramp.vhd", "if goes = '1' and brakes = '0' then", "if brakes = '0' then"),
+            Mutant(
+                "stepgen_ramp.vhd",
+                "if to_target = '0' and sum(31) = '1' then",
+                "if to_target = '0' then",
+            ),
+            Mutant("stepgen_ramp.vhd", "(state = await_shift and shifted = '1')", "state = await_shift"),
+            Mutant("stepgen_ramp.vhd", "when state = put_shift else", "when state = await_shift else"),
+        ),
+    ),
+    Block(
         "three_phase_pwm",
         "`components/three_phase_pwm`, 16 clocks a period, a dead time of at least 3 clocks",
         depth=10,

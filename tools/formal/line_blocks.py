@@ -131,4 +131,87 @@ LINE_BLOCKS = (
             Mutant("servo_bus_receiver.vhd", "without_sign(data & low, 15)", "without_sign(low & data, 15)"),
         ),
     ),
+    Block(
+        "servo_bus_sender",
+        "`components/servo_bus`, the packets of Feetech to two servos; a bit has any number of clocks",
+        depth=0,
+        deep=8,
+        induction=3,
+        by_abc=True,
+        reach=170,
+        guided={"tx_ticks": 8191, "reset": 0, "packet": 1, "told": 3, "engaged": 3, "first": 0, "second": 0},
+        seen={
+            "tx_data": "dut.tx_data",
+            "tx_ready": "dut.tx_ready",
+            "left": "dut.transmitter.left",
+            "shift": "dut.transmitter.shift",
+            "spot": "dut.place",
+            **{name: f"dut.{name}" for name in ("taken", "state", "part", "timer", "length", "check")},
+        },
+        given={"dut.transmitter.phase": "tx_phase"},
+        not_proven="Dynamixel, with its CRC; other numbers of servos: the bench has them",
+        mutants=(
+            Mutant("servo_bus_sender.vhd", "skips = '1' or (taken", "(taken"),
+            Mutant(
+                "servo_bus_sender.vhd",
+                "        when ending =>\n          if tx_ready = '1' then",
+                "        when ending =>\n          if true then",
+            ),
+            Mutant("servo_bus_sender.vhd", "if timer = 0 then", "if timer = 1 then"),
+            Mutant(
+                "servo_bus_sender.vhd",
+                "engaged(to_integer(item));\n            end if;",
+                "engaged(0);\n            end if;",
+            ),
+            Mutant(
+                "servo_bus_sender.vhd",
+                "bytes := bytes + count + (count & '0');",
+                "bytes := bytes + (count & '0');",
+            ),
+            Mutant("servo_bus_sender.vhd", "place > rules.header_last)", "place > rules.header_last + 1)"),
+        ),
+    ),
+    Block(
+        "servo_bus",
+        "`components/servo_bus`, the cycle, with two servos; packets and replies end at any clock",
+        depth=0,
+        deep=12,
+        pdr=True,
+        reach=50,
+        seen={
+            name: f"dut.{name}"
+            for name in (
+                *("state", "packet", "servo", "half", "timer", "tick", "go", "ended", "listens", "put"),
+                *("field", "word", "good", "lost", "item", "goal_out", "last_out", "sent_out", "position"),
+                *("puts_goal", "stamps", "copies", "keeps", "drive", "told", "engaged", "holding", "valid"),
+                *("bank", "told_count", "engaged_count", "count", "enable"),
+            )
+        },
+        without=(("servo_bus_1000000", "sender"), ("servo_bus_1000000", "receiver")),
+        loose=("dut.tick_phase", "dut.due"),
+        not_proven="what the bus reads, but that it changes as a whole; the period; other numbers of servos: "
+        "the bench has them",
+        mutants=(
+            Mutant(
+                "servo_bus_states.vhd", "told(number)    <= nor drive or known;", "told(number)    <= known;"
+            ),
+            Mutant("servo_bus_states.vhd", "or drive and known;", "or drive;"),
+            Mutant("servo_bus_states.vhd", "if reset = '1' or stops = '1' then", "if reset = '1' then"),
+            Mutant(
+                "servo_bus.vhd", "elsif lost = '1' then\n            failed <= '1';", "elsif lost = '1' then"
+            ),
+            Mutant(
+                "servo_bus.vhd",
+                "if copies = '1' and keeps = '0' then",
+                "if copies = '1' and keeps = '0' and known = '0' then",
+            ),
+            Mutant(
+                "servo_bus.vhd",
+                "state <= pausing;\n            if packet",
+                "state <= choosing;\n            if packet",
+            ),
+            Mutant("servo_bus.vhd", "if good = '1' then", "if (good or lost) = '1' then"),
+            Mutant("servo_bus.vhd", "if timer = gap_us then", "if timer /= gap_us then"),
+        ),
+    ),
 )
