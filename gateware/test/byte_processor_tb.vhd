@@ -54,7 +54,7 @@ architecture bench of byte_processor_tb is
 
   constant back : small_instruction_t := jump(if_always, 0, '1');
 
-  constant steps : small_program_t(0 to 80) := (
+  constant steps : small_program_t(0 to 90) := (
     operation(act),
     operation(load, immediate, 16#5A#), operation(both, immediate, 16#0F#), operation(store_it, direct, 0),  -- 0A
     operation(either, immediate, 16#35#), operation(store_it, direct, 1),  -- 3F
@@ -90,7 +90,12 @@ architecture bench of byte_processor_tb is
     operation(add, immediate, 2), back, operation(store_it, direct, 0), back, back,
     -- 75: a byte by X that goes to an action, zero to a byte
     operation(point, immediate, 16#100#), operation(act, indexed, 16#010#), operation(clear, indexed),
-    operation(note, direct, 16#041#), operation(act, direct, 16#080#), jump(if_always, 80));
+    operation(note, direct, 16#041#),
+    -- 79: give and get, set, follow, put by a name, a port that goes on
+    operation(point, immediate, 16#110#), operation(enter, immediate, 1), operation(point, immediate, 16#110#),
+    operation(enter, indexed_next, 12), operation(store_it, direct, 13), operation(store_it, immediate, 14),  -- 3F, FF
+    operation(clear, immediate, 3), operation(enter, direct, 16#183#), operation(store_it, direct, 15),  -- 01
+    operation(put_it, direct, 2), operation(act, direct, 16#080#), jump(if_always, 90));
 
   function whole (code : small_program_t) return small_program_t is
     variable program : small_program_t(0 to length - 1) := (others => (others => '0'));
@@ -112,7 +117,7 @@ architecture bench of byte_processor_tb is
   type bytes_t is array (natural range <>) of byte_t;
 
   constant expected : bytes_t := (
-    x"0A", x"3F", x"C0", x"01", x"00", x"FE", x"FC", x"F2", x"78", x"01", x"11", x"33");
+    x"0A", x"3F", x"C0", x"01", x"00", x"FE", x"FC", x"F2", x"78", x"01", x"11", x"33", x"3F", x"3F", x"FF", x"01");
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
@@ -126,7 +131,7 @@ architecture bench of byte_processor_tb is
   signal port_number           : small_port_t;
   signal memory                : memory_t := (others => (others => '0'));
   signal acted, told, noted    : small_actions_t := (others => '0');
-  signal was_put, went         : byte_t := (others => '0');
+  signal was_put, put_before, went : byte_t := (others => '0');
 
 begin
 
@@ -151,7 +156,8 @@ begin
         memory(to_integer(address)) <= given;
       end if;
       if put = '1' then
-        was_put <= given;
+        put_before <= was_put;
+        was_put    <= given;
       end if;
       if acts(4) = '1' then
         went <= given;
@@ -175,9 +181,11 @@ begin
     check_equal(noted, 9x"041", "noted");
     check_equal(memory(16#17F#), x"77", "the last of the 128 bytes");
     check_equal(memory(16#020#), x"20", "X from the accumulator");
-    check_equal(was_put, x"33", "put");
+    check_equal(put_before, x"33", "put");
+    check_equal(was_put, x"C0", "put by a name");
+    check_equal(memory(16#110#), x"3F", "give");
     check_equal(acted, 9x"195", "actions");
-    check_equal(told, 9x"0A0", "told");
+    check_equal(told, 9x"1A0", "told, and the port that goes on");
     check_equal(port_number, "000", "the port of the last instruction");
     if length > 1024 then
       check_equal(memory(16#280#), x"66", "X becomes an address of ten bits");
