@@ -15,6 +15,7 @@ from pathlib import Path
 
 from block import Block
 from guides import GUIDES
+from merge import MERGED
 from sweep import SWEPT
 
 from unitylink.gateware import gateware_sources, property_sources
@@ -30,6 +31,7 @@ _ASKS = (  # the files that make the models and ask the solvers
 _ASKS_GUIDED = _HERE / "guides.py"  # for blocks that have a guide there
 _ASKS_LARGE = _HERE / "large.py"  # for blocks that set one of these fields
 _ASKS_SWEPT = _HERE / "sweep.py"  # for the blocks that it names
+_ASKS_MERGED = _HERE / "merge.py"  # likewise
 _LARGE = ("by_abc", "guided")
 _WORDS_ONLY = ("what", "not_proven", "quick")  # fields of a row that change no question
 
@@ -72,6 +74,8 @@ def _asks(block: Block) -> tuple[Path, ...]:
     asks = (*_ASKS, _ASKS_LARGE) if _is_large(block) else _ASKS
     if block.name in GUIDES:
         asks = (*asks, _ASKS_GUIDED)
+    if block.name in MERGED:
+        asks = (*asks, _ASKS_MERGED)
     return (*asks, _ASKS_SWEPT) if block.name in SWEPT else asks
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import guides
 import large
+import merge
 import sweep
 from block import Block, Mutant
 from blocks import BLOCKS
@@ -99,6 +100,8 @@ def prove(block: Block) -> Result:
 
 def _is_inductive(block: Block, made: Model) -> bool:
     assert block.induction is not None
+    if block.name in merge.MERGED:
+        return merge.inductive(made, block.induction)
     return (large.inductive if block.by_abc else inductive)(made, block.induction)
 
 
