@@ -12,6 +12,13 @@ _TRANSMITTER = (
     "turn", "state",
 )  # fmt: skip
 
+# Signals of the receiver that the property file of its ring sees.
+_RING = (
+    "present", "delay", "whole", "too_long", "fits", "stores", "stored", "frame_index", "write_index",
+    "free_bytes", "start_index", "next_index", "read_index", "read_now", "full", "reads", "fills", "refills",
+    "record_in",
+)  # fmt: skip
+
 FRAMED_BLOCKS = (
     Block(
         "frame_dispatcher",
@@ -60,7 +67,7 @@ FRAMED_BLOCKS = (
             "is_full": "dut.records.full",
             "loads": "dut.records.load",
         },
-        not_proven="the bytes of the payload, and room in the ring: the benches compare with the reference",
+        not_proven="the bytes of the payload, and room in the ring: see frame_receiver_bytes",
         mutants=(
             Mutant("frame_receiver.vhd", "delay(1) /= check_byte(crc, 1) or ", ""),
             Mutant("frame_receiver.vhd", "elsif coded = '0' or at_code = '0' or", "elsif coded = '0' or"),
@@ -73,6 +80,59 @@ FRAMED_BLOCKS = (
             Mutant("frame_receiver.vhd", "if length = request_max then", "if length = 255 then"),
             Mutant("frame_receiver.vhd", "alive <= judged and not verdict(4);", "alive <= judged;"),
             Mutant("frame_receiver.vhd", "whole <= and delay(2);", "whole <= '0';"),
+        ),
+    ),
+    Block(
+        "frame_receiver_bytes",
+        "The ring of `framed/frame_receiver`, 16 bytes, requests of up to 4, any one byte of any frame",
+        depth=4,
+        deep=16,
+        reach=20,
+        induction=1,
+        given={"dut.records.read_data": "record_read", "dut.looked": "looked"},
+        loose=("dut.crc",),
+        seen={
+            "in_cobs": "dut.in_cobs",
+            "coded_kept": "dut.coded",
+            "ended": "dut.closed",
+            "run_kept": "dut.run",
+            "length_kept": "dut.length",
+            "record_write": "dut.records.write_index",
+            "record_next": "dut.records.read_index",
+            "is_full": "dut.records.full",
+            "loads": "dut.records.load",
+        }
+        | {name: f"dut.{name}" for name in _RING},
+        not_proven="the memory of the ring itself; other sizes of it; `many => false`: the benches test them",
+        mutants=(
+            # A wrong place: the ring is written a byte too far, or is read from the wrong one.
+            Mutant(
+                "frame_receiver.vhd",
+                "write_index <= frame_index + resize(length, index_bits);",
+                "write_index <= frame_index + resize(length, index_bits) + 1;",
+            ),
+            Mutant(
+                "frame_receiver.vhd",
+                "read_now <= start_index when rewind = '1' else read_index;",
+                "read_now <= read_index;",
+            ),
+            Mutant(
+                "frame_receiver.vhd",
+                "index_then := next_index + resize(more, index_bits) + 1;",
+                "index_then := next_index + resize(more, index_bits);",
+            ),
+            # A stale byte.
+            Mutant("frame_receiver.vhd", "if fills = '1' or take = '1' then", "if take = '1' then"),
+            # The frame that comes overtakes the first one at the wrap, because its bytes are not counted.
+            Mutant("frame_receiver.vhd", "start_index - write_index - 1;", "start_index - frame_index - 1;"),
+            # A dropped frame keeps its bytes, and the next one is not where it is looked for.
+            Mutant("frame_receiver.vhd", "fits   <= judged and kept;", "fits   <= judged;"),
+            # A zero comes out as its code.
+            Mutant(
+                "frame_receiver.vhd",
+                "stored  <= delay(2) when at_code = '0' else (others => '0');",
+                "stored  <= delay(2);",
+            ),
         ),
     ),
     Block(
@@ -202,7 +262,9 @@ FRAMED_BLOCKS = (
             "repeated": "dut.repeated",
             "epoch_now": "dut.epoch_now",
         },
-        not_proven="that a task ends; lists and groups; words of the memory, such as an epoch",
+        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access of a list once, "
+        "in order and after its whole form, no write for a repeat, which words an EXCHANGE has, and that "
+        "the dead-man denies them; words of the memory, such as an epoch: tests compare with the reference",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
