@@ -70,7 +70,8 @@ class HBridge final : public Component {
       load();
     }
     const Period::Phase then = period_.step(edge, now, was_running);
-    gates_.step(edge, (write_word(control) & 1u) != 0, write_word(dead), was.driven, was.sides);
+    gates_.step(edge, (write_word(control) & 1u) != 0, was.driven, was.sides);
+    gates_.take_dead(write_word(dead));
     tell(edge);
     next_ = never;
     if (then.tick || !(drive_ == was) || !(drive_ == drive_at(then.low))) {

@@ -24,6 +24,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.dead_time_pkg.all;
   use work.rate_pkg.all;
   use work.register_pkg.all;
   use work.wire_pkg.all;
@@ -66,7 +67,7 @@ architecture rtl of h_bridge is
   signal duty : std_ulogic_vector(duty_bits - 1 downto 0); -- of the register, or of the wire
 
   signal running, latched, fault_seen : std_ulogic;
-  signal dead_used   : std_ulogic_vector(11 downto 0);
+  signal dead        : dead_t;                  -- that is used
   signal phase       : unsigned(bits downto 0); -- of the period; its highest bit is the tick of rate_pkg
   signal size        : size_t;                  -- of the duty of this period; one less if it is negative
   signal back        : std_ulogic;              -- it is negative
@@ -91,17 +92,19 @@ begin
   read_words <= (
     0 => extended(write_words(0)(1 downto 0)),
     1 => (0 => running, 1 => latched, 2 => fault_seen, others => '0'),
-    2 => extended(dead_used),
+    2 => extended(dead),
     3 => std_ulogic_vector(resize(signed(duty), word_t'length)));
 
   duty <= duty_wire(duty'range) when is_valid(duty_wire) = '1' else write_words(3)(duty'range);
+
+  dead <= at_least(write_words(2)(dead_t'range), dead_minimum_ns);
 
   gates : entity work.bridge_gates
     generic map (
       clock_hz => clock_hz, legs => 2, dead_minimum_ns => dead_minimum_ns, fault_level => fault_level)
     port map (
-      clock => clock, reset => reset, enable => write_words(0)(0), dead => write_words(2)(11 downto 0),
-      dead_used => dead_used, driven => driven, sides => sides, running => running, tripped => latched,
+      clock => clock, reset => reset, enable => write_words(0)(0), dead => dead, dead_write => not reset,
+      driven => driven, sides => sides, running => running, tripped => latched,
       trip => tripped, fault_seen => fault_seen, fault => fault, high => high, low => low);
 
   process (clock) is

@@ -7,29 +7,36 @@
 --   +2      dead time in ns, 0 to 4095; a time below dead_minimum_ns becomes dead_minimum_ns
 --   +3 + n  duty of phase n, signed: the largest number is always high, the smallest always low, 0 is half
 --
---   counter  \    /\    /      one counter for all phases, 2**(duty_bits - 2) levels
+--   counter  \    /\    /      one counter for all phases, of at most 2**(duty_bits - 2) levels
 --             \  /  \  /
 --              \/    \/
 --   high     ___/‾\___/‾\__    from where the counter falls below the level of the phase until it rises above it
 --            |-----|           a period begins where the counter is largest and all low sides conduct
 --
--- New duties of all phases take effect together, at the start of a period. So each pulse is a whole old one or a whole
--- new one. Dead time and fault: see bridge_gates. Bits that a register does not have read as zero and are not stored.
+-- New duties take effect at the start of a period. There the counter stands for 4 clocks, the turn, in which the phases
+-- 2, 1 and 0 take their duties. So each pulse is a whole old one or a whole new one. Each phase follows the counter: it
+-- keeps its level minus the counter, and adds the same step as the counter does. Duties are in block RAM, and in no
+-- register. Dead time and fault: see bridge_gates. Bits that a register does not have read as zero and are not stored.
 --
+-- Generics  The counter has the largest power of two of levels with which no level lasts less than a clock, but at most
+--           2**(duty_bits - 2). A duty is rounded to these.
 -- Wires     While duty_n_wire is valid, duty n is that of the wire, and a read of +3 + n gives it. A wire that ends
 --           while enable is 1 switches all gates off within 2 clocks. They stay off until enable rises; `lost` is 1.
 --
--- Events    sample: at the start and in the middle of a period, as `control` says. tripped: a fault cuts.
--- Latency   2 clocks per access (register_slave). From the write of control to the gates 3 clocks, and the dead time.
---           From the counter to the gates 2 clocks.
--- Errors    err for a write to +1 and for addresses from 6 on.
--- Reset     Disabled, all gates off, all duties 0, and the least dead time.
+-- Events    sample: at the start of a period, except the first one, and in the middle, as `control` says.
+--           tripped: a fault cuts.
+-- Latency   2 clocks per access. A write waits for the end of a turn, up to 4 clocks more. From the write of control to
+--           the gates 3 clocks, and the dead time. From the counter to the gates 2 clocks.
+-- Errors    err for a write to +1, for addresses from 6 on, and for writes that do not select all bytes.
+-- Reset     Disabled, all gates off. Then all duties become 0, and the dead time the least one, in 4 clocks. Accesses
+--           wait for that.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.dead_time_pkg.all;
   use work.rate_pkg.all;
-  use work.register_pkg.all;
+  use work.width_pkg.all;
   use work.wire_pkg.all;
   use work.wishbone_pkg.all;
 
@@ -62,120 +69,279 @@ end entity;
 
 architecture rtl of three_phase_pwm is
 
-  constant bits : positive := phase_bits(clock_hz, frequency_hz);
+  constant turn_clocks : positive := 4;
+  constant word_bits   : positive := maximum(duty_bits, dead_bits + 1); -- so the highest bit of a dead time is 0
+  constant all_bytes   : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
 
-  subtype duty_t is unsigned(duty_bits - 1 downto 0);
-  subtype level_t is unsigned(duty_bits - 2 downto 0);
+  function counter_bits return positive is
+    variable bits : positive := 1;
+  begin
+    while bits < duty_bits - 2 and 2 ** (bits + 2) + turn_clocks <= clock_hz / frequency_hz loop
+      bits := bits + 1;
+    end loop;
+    return bits;
+  end function;
+
+  constant levels    : positive := 2 ** counter_bits;
+  constant rate_hz   : positive := 2 * levels * frequency_hz;                    -- of the counter's steps
+  constant moves_hz  : positive := maximum(1, clock_hz - turn_clocks * frequency_hz); -- of the clocks with steps
+  constant bits      : positive := phase_bits(moves_hz, rate_hz);
+
+  subtype place_t is unsigned(2 downto 0);
+  subtype stored_t is std_ulogic_vector(word_bits - 1 downto 0);
+  subtype level_t is signed(counter_bits + 1 downto 0); -- in half levels
+  type memory_t is array (0 to 7) of stored_t;
+  type terms_t is array (0 to 7) of level_t;
   type levels_t is array (0 to 2) of level_t;
   type wires_t is array (0 to 2) of wire_t;
 
-  signal read_words  : word_vector_t(0 to 5);
-  signal write_words : word_vector_t(0 to 5);
+  constant lowest : level_t := to_signed(1 - 2 * levels, level_t'length); -- level 0 minus the largest counter
 
-  signal wires      : wires_t;
-  signal duties     : word_vector_t(0 to 2);         -- of the registers, or of the wires
-  signal valid      : std_ulogic_vector(2 downto 0); -- of the wires
-  signal valid_before : std_ulogic_vector(2 downto 0);
-  signal ends       : std_ulogic;                    -- a wire, now
-  signal lost       : std_ulogic := '0';             -- a wire has ended since the last start
+  -- The dead time and the duties at their addresses, and the duties as levels. A memory is never read and written at
+  -- once: what such a read gives depends on the chip.
+  signal memory : memory_t := (others => (others => '0'));
+  signal terms  : terms_t  := (others => (others => '0'));
 
-  signal enable, enabled_before, drives, running, latched, fault_seen : std_ulogic;
-  signal dead_used : std_ulogic_vector(11 downto 0);
-  signal phase     : unsigned(bits downto 0); -- of the period; its highest bit is the tick of rate_pkg
-  signal second    : std_ulogic;              -- the second half of the period
-  signal half      : std_ulogic;              -- the same, a clock ago
-  signal inverse   : level_t;                 -- of the counter: to add it costs less than to compare
-  signal levels    : levels_t;                -- of this period
-  signal sides     : std_ulogic_vector(2 downto 0);
+  -- The bus.
+  signal address                  : place_t;                          -- its lowest bits
+  signal asked, known, takes      : std_ulogic;
+  signal is_stored, writes        : std_ulogic;                       -- the word is in the memory, and is written
+  signal ack, err                 : std_ulogic := '0';
+  signal clearing                 : std_ulogic := '1';
+  signal control                  : std_ulogic_vector(2 downto 0) := "000";
+  signal place, slot_place        : place_t;                          -- that is written, and that of the slot
+  signal is_dead                  : std_ulogic;                       -- the dead time is written
+  signal data, found              : stored_t;
+  signal few                      : std_ulogic_vector(3 downto 0);    -- of control or status
+  signal by_wire                  : std_ulogic;                       -- the word that is read is that of a wire
+  signal wire_word                : stored_t;
 
-  -- The duty as a number from 0, without its last bit. So the smallest two are 0.
-  function level_of (word : word_t) return level_t is
-    variable duty : duty_t;
+  -- The start.
+  signal wires                           : wires_t;
+  signal valid, valid_before             : std_ulogic_vector(2 downto 0); -- the wires
+  signal ends                            : std_ulogic;                    -- a wire, now
+  signal lost                            : std_ulogic := '0';             -- one has ended since the last start
+  signal enable, enabled_before, drives  : std_ulogic;
+  signal running, latched, fault_seen    : std_ulogic;
+
+  -- The counter.
+  signal fraction : unsigned(bits downto 0)         := (others => '0'); -- its highest bit: the counter steps
+  signal position : unsigned(counter_bits downto 0) := (others => '0'); -- in the period, in levels
+  signal stepped  : std_ulogic                      := '0';
+  signal second   : std_ulogic;                                         -- the second half of the period
+  signal half     : std_ulogic                      := '0';             -- the same, a clock ago
+  signal turn     : std_ulogic                      := '1';             -- the counter stands
+  signal slot     : unsigned(1 downto 0)            := "00";            -- of the turn, or of the clearing
+  signal loading  : std_ulogic;                                         -- a turn before or in a run
+  signal term     : level_t;                                            -- from the memory: what is added
+  signal addend   : level_t;                                            -- the same, or that of a wire
+  signal aboves   : levels_t;                                           -- level minus counter; not from 0 on is low
+  signal sides    : std_ulogic_vector(2 downto 0);
+
+  -- The duty in whole words, and as a level from 0.
+  function signed_word (word : std_ulogic_vector) return stored_t is
   begin
-    duty            := unsigned(word(duty_t'range));
-    duty(duty'high) := not duty(duty'high);
-    return duty(duty'high downto 1);
+    return std_ulogic_vector(resize(signed(word(duty_bits - 1 downto 0)), word_bits));
   end function;
 
-  function signed_word (word : word_t) return word_t is
+  function level_of (word : stored_t) return level_t is
   begin
-    return std_ulogic_vector(resize(signed(word(duty_t'range)), word_t'length));
+    return '0' & not word(duty_bits - 1) & signed(word(duty_bits - 2 downto duty_bits - 1 - counter_bits));
   end function;
 
 begin
 
-  assert duty_bits < bits
-    report "three_phase_pwm: duty_bits is at most " & integer'image(bits - 1) & " at this clock and frequency, got " &
-           integer'image(duty_bits)
+  assert clock_hz / frequency_hz >= 8
+    report "three_phase_pwm: a period needs at least 8 clocks, and frequency_hz gives " &
+           integer'image(clock_hz / frequency_hz)
     severity failure;
 
-  registers : entity work.register_slave
-    generic map (writable => "101111", data_width => data_width)
-    port map (
-      clock => clock, reset => reset, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m,
-      read_words => read_words, write_words => write_words);
+  -- The bus. Writes wait while the memory gives levels.
+  address   <= unsigned(wishbone_m2s.adr(place_t'range));
+  is_stored <= address(2) or address(1);
+  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not clearing;
+  known     <= '1' when unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto place_t'length)) = 0 and
+                        address < 6 and
+                        (wishbone_m2s.we = '0' or
+                         (address /= 1 and wishbone_m2s.sel(all_bytes'range) = all_bytes)) else '0';
+  takes     <= asked and known and not (wishbone_m2s.we and loading);
+  writes    <= clearing or (takes and wishbone_m2s.we and is_stored);
+  slot_place <= 5 - ('0' & slot);
+  place     <= slot_place when clearing = '1' else address;
+  is_dead   <= not place(2) and place(1) and not place(0);
 
-  read_words <= (
-    0 => extended(write_words(0)(2 downto 0)),
-    1 => (0 => running, 1 => latched, 2 => fault_seen, 3 => lost, others => '0'),
-    2 => extended(dead_used),
-    3 => duties(0),
-    4 => duties(1),
-    5 => duties(2));
+  choose : process (all) is
+  begin
+    data <= signed_word(wishbone_m2s.dat);
+    if clearing = '1' then
+      data <= (others => '0');
+    end if;
+    if is_dead = '1' then
+      data               <= (others => '0');
+      data(dead_t'range) <= at_least(wishbone_m2s.dat(dead_t'range) and (dead_t'range => not clearing),
+                                     dead_minimum_ns);
+    end if;
+  end process;
 
+  answer : process (clock) is
+  begin
+    if rising_edge(clock) then
+      ack <= takes;
+      err <= asked and not known;
+      if (takes and wishbone_m2s.we and not is_stored) = '1' then
+        control <= wishbone_m2s.dat(control'range);
+      end if;
+      if writes = '1' then
+        memory(to_integer(place)) <= data;
+        terms(to_integer(place))  <= level_of(data);
+      end if;
+      -- Not an `else` of the line above: GHDL 2.0 synthesises its condition without the `not`.
+      if writes = '0' then
+        found <= memory(to_integer(address));
+        term  <= terms(to_integer(slot_place));
+      end if;
+
+      few <= "0000";
+      if address = 0 then
+        few <= '0' & control;
+      elsif address = 1 then
+        few <= lost & fault_seen & latched & running;
+      end if;
+
+      by_wire <= '0';
+      for number in wires'range loop
+        if address = 3 + number then
+          by_wire   <= valid(number);
+          wire_word <= signed_word(std_ulogic_vector(value_of(wires(number))));
+        end if;
+      end loop;
+
+      if reset = '1' then
+        ack     <= '0';
+        err     <= '0';
+        control <= "000";
+      end if;
+    end if;
+  end process;
+
+  -- Control and status are not in the memory, so the word found is zero there.
+  reply : process (all) is
+    variable whole : stored_t;
+  begin
+    whole := found;
+    if by_wire = '1' then
+      whole := wire_word;
+    end if;
+    whole(few'range) := whole(few'range) or few;
+
+    wishbone_s2m                              <= wishbone_s2m_idle;
+    wishbone_s2m.ack                          <= ack and wishbone_m2s.cyc and wishbone_m2s.stb;
+    wishbone_s2m.err                          <= err and wishbone_m2s.cyc and wishbone_m2s.stb;
+    wishbone_s2m.dat(data_width - 1 downto 0) <= std_ulogic_vector(resize(signed(whole), data_width));
+  end process;
+
+  -- The gates.
   wires <= (duty_0_wire, duty_1_wire, duty_2_wire);
 
-  each_phase : for number in duties'range generate
-    valid(number)  <= is_valid(wires(number));
-    duties(number) <= signed_word(std_ulogic_vector(value_of(wires(number)))) when valid(number) = '1' else
-                      signed_word(write_words(3 + number));
+  each_phase : for number in wires'range generate
+    valid(number) <= is_valid(wires(number));
+    sides(number) <= not aboves(number)(level_t'high);
   end generate;
 
-  enable <= write_words(0)(0);
+  enable <= control(0);
   ends   <= or (valid_before and not valid);
   drives <= enable and not ends and (not lost or not enabled_before);
+
+  start : process (clock) is
+  begin
+    if rising_edge(clock) then
+      enabled_before <= enable;
+      valid_before   <= valid;
+      if enable = '1' and enabled_before = '0' then
+        lost <= '0';
+      end if;
+      if enable = '1' and ends = '1' then
+        lost <= '1';
+      end if;
+      if reset = '1' then
+        lost <= '0';
+      end if;
+    end if;
+  end process;
 
   gates : entity work.bridge_gates
     generic map (
       clock_hz => clock_hz, legs => 3, dead_minimum_ns => dead_minimum_ns, fault_level => fault_level)
     port map (
-      clock => clock, reset => reset, enable => drives, dead => write_words(2)(11 downto 0), dead_used => dead_used,
-      driven => "111", sides => sides, running => running, tripped => latched, trip => tripped,
+      clock => clock, reset => reset, enable => drives, dead => data(dead_t'range), dead_write => writes and is_dead,
+      hold => or slot, driven => "111", sides => sides, running => running, tripped => latched, trip => tripped,
       fault_seen => fault_seen, fault => fault, high => high, low => low);
 
-  -- The counter falls, then rises. Its last bit is 0, so that the largest level is always above it.
-  second  <= phase(bits - 1);
-  inverse <= (phase(bits - 2 downto bits - duty_bits + 1) xor (duty_bits - 3 downto 0 => second)) & '1';
+  second  <= position(counter_bits);
+  loading <= turn and (running or or (slot));
 
-  process (clock) is
-    variable sum : unsigned(level_t'high + 1 downto 0); -- its highest bit: the counter is below the level
+  -- What is added to the levels: in a turn the levels of the duties, which the slot before has read, else a step up or
+  -- down.
+  come : process (all) is
+  begin
+    addend    <= (others => second);
+    addend(1) <= '1';
+    addend(0) <= '0';
+    if loading = '1' then
+      addend <= term;
+    end if;
+    for number in wires'range loop
+      if loading = '1' and slot = 3 - number and valid(number) = '1' then
+        addend <= level_of(signed_word(std_ulogic_vector(value_of(wires(number)))));
+      end if;
+    end loop;
+  end process;
+
+  -- The counter falls, then rises. `aboves` rise, then fall, a clock later.
+  move : process (clock) is
+    variable wraps : unsigned(counter_bits + 1 downto 0);
   begin
     if rising_edge(clock) then
-      phase  <= ('0' & phase(bits - 1 downto 0)) + phase_increment(clock_hz, frequency_hz);
-      half   <= second;
-      sample <= (write_words(0)(1) and phase(bits)) or (write_words(0)(2) and second and not half);
-      if running = '0' then
-        phase  <= (others => '0');
-        sample <= '0';
+      stepped <= fraction(bits) and not turn;
+      half    <= second;
+      sample  <= (control(1) and half and not second) or (control(2) and second and not half);
+      if turn = '0' then
+        fraction <= ('0' & fraction(bits - 1 downto 0)) + phase_increment(moves_hz, rate_hz);
+      end if;
+      if turn = '0' and fraction(bits) = '1' then
+        wraps    := ('0' & position) + 1;
+        position <= wraps(position'range);
+        turn     <= wraps(wraps'high);
       end if;
 
-      for number in levels'range loop
-        if running = '0' or phase(bits) = '1' then
-          levels(number) <= level_of(duties(number));
+      slot <= "00";
+      if clearing = '1' or loading = '1' then
+        slot <= slot + 1;
+      end if;
+      clearing <= clearing and nand slot;
+      if slot = 3 then
+        turn <= '0';
+      end if;
+
+      for number in aboves'range loop
+        if (stepped = '1' and half = second) or (loading = '1' and slot = 3 - number) then
+          aboves(number) <= aboves(number) + addend;
         end if;
-        sum           := ('0' & inverse) + levels(number);
-        sides(number) <= sum(sum'high);
+        if (turn = '1' and slot = 0) or running = '0' then
+          aboves(number) <= lowest;
+        end if;
       end loop;
 
-      enabled_before <= enable;
-      valid_before   <= valid;
-      if enable = '1' then
-        lost <= ends or (lost and enabled_before);
+      if running = '0' then
+        fraction <= (others => '0');
+        position <= (others => '0');
+        turn     <= '1';
+        half     <= '0';
+        sample   <= '0';
       end if;
-
       if reset = '1' then
-        sample <= '0';
-        lost   <= '0';
+        clearing <= '1';
+        slot     <= "00";
       end if;
     end if;
   end process;

@@ -28,6 +28,7 @@ architecture test of three_phase_pwm_tb is
   constant duty_most       : positive := 2 ** (duty_bits - 1) - 1;
   constant clock_ns        : positive := 1_000_000_000 / clock_hz;
   constant period          : positive := clock_hz / frequency_hz;
+  constant turn            : positive := 4; -- clocks at the start of a period, in which the counter stands
   constant off             : natural  := 0;
   constant run             : natural  := 1;
   constant run_sampling    : natural  := 7;
@@ -54,7 +55,7 @@ architecture test of three_phase_pwm_tb is
 
   function clocks_of (ns : natural) return natural is
   begin
-    return (ns + clock_ns - 1) / clock_ns;
+    return (ns / 8 * 8 + 7 + clock_ns - 1) / clock_ns;
   end function;
 
 begin
@@ -142,10 +143,21 @@ begin
       clear <= false;
     end procedure;
 
-    -- Clocks for which the high side is wanted in one period.
-    function wanted (duty : integer) return natural is
+    -- The levels of the counter: a power of two, so that each lasts a clock or more.
+    function levels return positive is
+      variable found : positive := 2;
     begin
-      return integer(real(period) * real(duty + duty_most + 1) / real(2 * duty_most + 2));
+      while found < 2 ** (duty_bits - 2) and 4 * found + turn <= period loop
+        found := 2 * found;
+      end loop;
+      return found;
+    end function;
+
+    -- Clocks for which the high side is wanted in one period. The duty is rounded to levels.
+    function wanted (duty : integer) return natural is
+      constant level : natural := (2 * levels * (duty + duty_most + 1) / (2 * duty_most + 2) + 1) / 2;
+    begin
+      return integer(real(period - turn) * real(level) / real(levels));
     end function;
 
     procedure expect_near (got : integer; expected : integer; slack : natural; what : string) is

@@ -15,8 +15,11 @@
 -- Ports     enable: its rising edge starts, 0 stops. driven: 0 switches both gates of a leg off.
 --           running: the gates follow `sides`. tripped: a fault came since the last start. fault_seen: the pin now.
 --           trip: high for one clock when tripped rises.
--- Latency   sides to a gate: off 1 clock, on 1 clock and the dead time later. The dead time is rounded up to whole
---           clocks, where a clock counts as a whole number of ns, rounded down. So it is never too short.
+--           dead_write: `dead` is taken in this clock. It counts for dead times that begin later. Take one before the
+--           first start.
+--           hold: `sides` is not looked at in this clock, except while the gates do not run.
+-- Latency   sides to a gate: off 1 clock, on 1 clock and the dead time later. A table in block RAM makes clocks of it:
+--           the longest time in its 8 ns, rounded up to whole clocks. So it is never too short.
 -- Fault     All gates are off within 2 clocks after the level on the pin, and stay off. A fault that is shorter than a
 --           clock may be missed. Only a rise of enable starts again, and only without a fault.
 -- Reset     All gates off. enable must rise after it.
@@ -24,6 +27,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.dead_time_pkg.all;
 
 entity bridge_gates is
   generic (
@@ -36,11 +40,12 @@ entity bridge_gates is
     clock      : in  std_ulogic;
     reset      : in  std_ulogic;                     -- synchronous
     enable     : in  std_ulogic;
-    dead       : in  std_ulogic_vector(11 downto 0); -- ns
-    dead_used  : out std_ulogic_vector(11 downto 0); -- the same, but at least the minimum; a clock later
+    dead       : in  dead_t;                         -- ns
+    dead_write : in  std_ulogic := '1';
+    hold       : in  std_ulogic := '0';
     driven     : in  std_ulogic_vector(legs - 1 downto 0);
     sides      : in  std_ulogic_vector(legs - 1 downto 0);
-    running    : out std_ulogic;
+    running    : out std_ulogic := '0';              -- the gates are off from power-up on
     tripped    : out std_ulogic;
     trip       : out std_ulogic;
     fault_seen : out std_ulogic;
@@ -53,9 +58,6 @@ end entity;
 
 architecture rtl of bridge_gates is
 
-  constant clock_ns    : positive := 1_000_000_000 / clock_hz;
-  constant dead_least  : std_ulogic_vector(11 downto 0) := std_ulogic_vector(to_unsigned(dead_minimum_ns, 12));
-
   function fault_is return std_ulogic is
   begin
     if fault_level = 1 then
@@ -66,19 +68,38 @@ architecture rtl of bridge_gates is
 
   constant no_fault : std_ulogic := not fault_is;
 
-  -- Time in ns, modulo 8192. A time is over when it is behind us by less than half of that.
-  subtype time_t is unsigned(12 downto 0);
-  type times_t is array (0 to legs - 1) of time_t;
+  subtype dead_code_t is std_ulogic_vector(code_bits(clock_hz) - 1 downto 0);
+  type codes_t is array (0 to legs - 1) of dead_code_t;
+  -- Downwards: from an upward constant GHDL 2.0 makes a table with an inverter at each bit of the place.
+  type table_t is array (dead_place_t'high downto dead_place_t'low) of dead_code_t;
+
+  constant code_last : dead_code_t := (others => '1');
+
+  function table_of return table_t is
+    variable table  : table_t;
+    variable clocks : positive    := 1;
+    variable code   : dead_code_t := code_last;
+  begin
+    for place in dead_place_t loop
+      while clocks < dead_clocks(place, dead_minimum_ns, clock_hz) loop
+        clocks := clocks + 1;
+        code   := code_before(code);
+      end loop;
+      table(place) := code;
+    end loop;
+    return table;
+  end function;
+
+  constant table : table_t := table_of;
 
   subtype legs_t is std_ulogic_vector(legs - 1 downto 0);
 
-  signal dead_sum         : unsigned(12 downto 0); -- its highest bit: the dead time is at least the minimum
   signal level, seen      : std_ulogic;
   signal enabled_before   : std_ulogic;
-  signal now_ns           : time_t;
-  signal not_ends         : times_t; -- the inverse of the end of each leg's dead time: to add it costs no inverters
+  signal dead_code        : dead_code_t; -- of the dead time
+  signal codes            : codes_t;     -- what is left of that of each leg
   signal side             : legs_t;  -- that conducts or will
-  signal high_on, low_on  : legs_t := (others => '0'); -- off from power-up on
+  signal high_on, low_on  : legs_t := (others => '0');
 
 begin
 
@@ -97,41 +118,36 @@ begin
   high <= high_on and not seen;
   low  <= low_on and not seen;
 
-  dead_sum <= resize(unsigned(dead), 13) + to_unsigned(4096 - dead_minimum_ns, 13);
-
   process (clock) is
-    variable over : unsigned(time_t'high + 1 downto 0); -- ns since the end, and a bit that carries 1 into them
   begin
     if rising_edge(clock) then
-      enabled_before <= enable;
-      trip           <= '0';
-      if seen = '1' then
-        running <= '0';
-        tripped <= '1';
-        trip    <= not tripped;
-      elsif enable = '0' then
-        running <= '0';
-      elsif enabled_before = '0' then
-        running <= '1';
-        tripped <= '0';
+      if dead_write = '1' then
+        dead_code <= table(dead_place(dead));
       end if;
+    end if;
+  end process;
 
-      now_ns    <= now_ns + clock_ns;
-      dead_used <= dead;
-      if dead_sum(dead_sum'high) = '0' then
-        dead_used <= dead_least;
-      end if;
+  process (clock) is
+    variable over : std_ulogic; -- the dead time of this leg, now
+  begin
+    if rising_edge(clock) then
+      -- A fault goes before all, then comes enable.
+      enabled_before <= enable;
+      running        <= enable and not seen and (running or not enabled_before);
+      tripped        <= seen or (tripped and not (enable and not enabled_before));
+      trip           <= seen and not tripped;
 
       for leg in 0 to legs - 1 loop
-        over := (now_ns & '1') + (not_ends(leg) & '1');
-        if running = '0' or seen = '1' or driven(leg) = '0' or sides(leg) /= side(leg) then
-          high_on(leg)  <= '0';
-          low_on(leg)   <= '0';
-          side(leg)     <= sides(leg);
-          not_ends(leg) <= not (now_ns + unsigned(dead_used));
-        elsif high_on(leg) = '0' and low_on(leg) = '0' and over(over'high) = '0' then
-          high_on(leg) <= side(leg);
-          low_on(leg)  <= not side(leg);
+        over         := and codes(leg);
+        codes(leg)   <= next_code(codes(leg));
+        high_on(leg) <= side(leg) and (over or high_on(leg));
+        low_on(leg)  <= not side(leg) and (over or low_on(leg));
+        if reset = '1' or running = '0' or seen = '1' or driven(leg) = '0' or
+           (sides(leg) /= side(leg) and hold = '0') then
+          high_on(leg) <= '0';
+          low_on(leg)  <= '0';
+          side(leg)    <= sides(leg);
+          codes(leg)   <= dead_code;
         end if;
       end loop;
 
@@ -140,10 +156,6 @@ begin
         running        <= '0';
         tripped        <= '0';
         trip           <= '0';
-        now_ns         <= (others => '0');
-        dead_used      <= dead_least;
-        high_on        <= (others => '0');
-        low_on         <= (others => '0');
       end if;
     end if;
   end process;

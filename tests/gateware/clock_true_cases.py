@@ -120,20 +120,26 @@ CASES = {
     ),
     "three_phase_pwm": (
         Case(
-            "frequency_hz=40000, duty_bits=6, dead_minimum_ns=900",
+            "frequency_hz=100000, duty_bits=6, dead_minimum_ns=900",
             THREE_PHASE,
+            slow=4,
+            start=6,
             pause=300,
             outside=random_wires(3, 900, pins=1),
         ),
         Case(
             "frequency_hz=3000, duty_bits=9, dead_minimum_ns=0, fault_level=0",
             THREE_PHASE,
+            slow=4,
+            start=6,
             pause=90,
             outside=random_wires(3, 4000, pins=1, high=0.9),
         ),
         Case(
             "frequency_hz=9000, duty_bits=7, dead_minimum_ns=900",
             THREE_PHASE,
+            slow=4,
+            start=6,
             pause=300,
             outside=random_wires(3, 900, pins=1),
         ),

@@ -86,7 +86,7 @@ COMPONENT_BLOCKS = (
         mutants=(
             Mutant("bridge_gates.vhd", "high <= high_on and not seen;", "high <= high_on;"),
             Mutant("bridge_gates.vhd", "seen = '1' or driven(leg)", "driven(leg)"),
-            Mutant("bridge_gates.vhd", "elsif enabled_before = '0' then", "else"),
+            Mutant("bridge_gates.vhd", "(running or not enabled_before);", "'1';"),
             Mutant(
                 "h_bridge.vhd", "low(1) & high(1) & low(0) & high(0);", "low(0) & high(1) & low(1) & high(0);"
             ),
@@ -282,11 +282,11 @@ COMPONENT_BLOCKS = (
         not_proven="the lengths of pulses, and longer dead times: the bench measures them",
         mutants=(
             Mutant("bridge_gates.vhd", "high <= high_on and not seen;", "high <= high_on;"),
-            Mutant("bridge_gates.vhd", "if dead_sum(dead_sum'high) = '0' then", "if false then"),
+            Mutant("bridge_gates.vhd", "code   := code_before(code);", "code := code_last;"),
             Mutant("bridge_gates.vhd", "seen = '1' or driven(leg)", "driven(leg)"),
-            Mutant("bridge_gates.vhd", "not (now_ns + unsigned(dead_used));", "not now_ns;"),
-            Mutant("bridge_gates.vhd", "elsif enabled_before = '0' then", "else"),
-            Mutant("bridge_gates.vhd", " and over(over'high) = '0' then", " then"),
+            Mutant("bridge_gates.vhd", "codes(leg)   <= dead_code;", "codes(leg) <= code_last;"),
+            Mutant("bridge_gates.vhd", "(running or not enabled_before);", "'1';"),
+            Mutant("bridge_gates.vhd", "side(leg) and (over or high_on(leg));", "side(leg);"),
             Mutant("three_phase_pwm.vhd", "enable and not ends and", "enable and"),
             Mutant("three_phase_pwm.vhd", "(not lost or not enabled_before);", "not ends;"),
         ),

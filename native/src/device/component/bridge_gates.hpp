@@ -20,7 +20,9 @@ class BridgeGates {
         fault_level_(from.generic("fault_level", 1) != 0),
         first_(!fault_level_),
         second_(!fault_level_),
-        dead_(dead_least_) {}
+        dead_(dead_least_) {
+    take_dead(0);
+  }
 
   // The next edge has this level on the pin `fault`.
   void drive(bool level) noexcept { pin_ = level; }
@@ -28,8 +30,14 @@ class BridgeGates {
   // The next edge at which something changes by itself. It may be too early, never too late.
   [[nodiscard]] Clock next() const noexcept { return pin_ != first_ || first_ != second_ ? 0 : next_; }
 
+  // This dead time counts for those that begin from now on. Its clocks are those of the longest time in its 8 ns.
+  void take_dead(std::uint32_t dead) noexcept {
+    dead_ = std::max(dead & 0xFFFu, dead_least_);
+    dead_clocks_ = std::max<Clock>(1, ((dead_ | 7u) + clock_ns_ - 1) / clock_ns_);
+  }
+
   // Edge `edge` happens. The arguments are of the state before it, as in the VHDL.
-  void step(Clock edge, bool enable, std::uint32_t dead, std::uint32_t driven, std::uint32_t sides) {
+  void step(Clock edge, bool enable, std::uint32_t driven, std::uint32_t sides, bool hold = false) {
     const bool was_seen = seen();
     const bool was_running = running_;
     trip_ = was_seen && !tripped_;
@@ -47,13 +55,13 @@ class BridgeGates {
     for (std::uint32_t number = 0; number < legs_.size(); ++number) {
       Leg& leg = legs_[number];
       const bool side = (sides >> number & 1u) != 0;
-      if (!was_running || was_seen || (driven >> number & 1u) == 0 || side != leg.side) {
+      if (!was_running || was_seen || (driven >> number & 1u) == 0 || (side != leg.side && !hold)) {
         changes = changes || leg.high || leg.low || side != leg.side;
-        leg = {side, false, false, edge + std::max<Clock>(1, (dead_ + clock_ns_ - 1) / clock_ns_)};
+        leg = {side, false, false, edge + dead_clocks_};
       } else if (!leg.high && !leg.low) {
         if (edge >= leg.ends) {
-          leg.high = side;
-          leg.low = !side;
+          leg.high = leg.side;
+          leg.low = !leg.side;
           changes = true;
         } else {
           next_ = std::min(next_, leg.ends);
@@ -61,7 +69,6 @@ class BridgeGates {
       }
     }
     enabled_before_ = enable;
-    dead_ = std::max(dead & 0xFFFu, dead_least_);
     second_ = first_;
     first_ = pin_;
     if (changes || seen() != was_seen) {
@@ -102,6 +109,7 @@ class BridgeGates {
   bool tripped_ = false;
   bool trip_ = false;
   std::uint32_t dead_;
+  Clock dead_clocks_ = 1;
   Clock next_ = 0;
 };
 
