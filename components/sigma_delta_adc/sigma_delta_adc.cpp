@@ -141,7 +141,7 @@ class SigmaDeltaAdc final : public Component {
     turns_ = never;
     bool changes = settle(edge);
     if (edge == fast_at_) {
-      compare();
+      compare(edge);
     }
     if (fast_at_ <= edge) {  // without a limit nobody waited for it
       fast_at_ = never;
@@ -202,10 +202,11 @@ class SigmaDeltaAdc final : public Component {
     return changes;
   }
 
-  void compare() noexcept {
+  // The limit that holds is that of the edge before.
+  void compare(Clock edge) noexcept {
+    const std::uint32_t most = is_written(limit, edge) ? limit_before_ : limit_now();
     beyond_ = 0;
     for (std::uint32_t number = 0; number < channels_; ++number) {
-      const std::uint32_t most = limit_now();
       const auto size = static_cast<std::uint32_t>(std::abs(channel_[number].fast.value()));
       beyond_ |= most != 0 && size > most ? 1u << number : 0;
     }
@@ -280,6 +281,7 @@ class SigmaDeltaAdc final : public Component {
     if (address == control) {
       word(address, value & 1u, edge);
     } else if (address == limit) {
+      limit_before_ = std::exchange(limit_written_, limit_now());
       word(address, limit_now(), edge);
     } else {
       word(address, static_cast<std::uint32_t>(offset_of(address - offset)), edge);
@@ -304,6 +306,8 @@ class SigmaDeltaAdc final : public Component {
   std::uint32_t bits_ = 0;  // as the clock rose
   std::uint32_t lost_ = 7;
   std::uint32_t beyond_ = 0;
+  std::uint32_t limit_before_ = 0;  // that of the last write but one
+  std::uint32_t limit_written_ = 0;
   std::uint32_t culprits_ = 0;
   bool enabled_before_ = true;
   bool running_ = false;

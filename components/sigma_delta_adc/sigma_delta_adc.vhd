@@ -10,6 +10,7 @@
 --   +1             status (read): bit 0 running, bit 1 tripped, bit 2 a channel is not valid now, bits 6..4 the
 --                  channels that were beyond the limit, or lost, at the trip
 --   +2             limit of the fast filter, 0 to trip_osr**3 / 2: a larger value of either sign trips. 0 never trips.
+--                  It holds for values from 2 clocks after the write on.
 --   +3             stamp: the clock of the last values (read)
 --   +4 + n         offset of channel n, which is taken away from its values
 --   +4 + channels + n  value of channel n, two's complement: -osr**3 / 2 if all bits are 0, osr**3 / 2 if all are 1
@@ -78,6 +79,7 @@ architecture rtl of sigma_delta_adc is
   subtype offset_t is signed(width downto 0);
   subtype value_t is signed(width + 1 downto 0);
   subtype limit_t is unsigned(trip_width - 1 downto 0);
+  subtype bound_t is signed(trip_width + 1 downto 0);
   type values_t is array (0 to channels - 1) of value_t;
   type sums_t is array (0 to channels - 1) of unsigned(width - 1 downto 0);
   type trip_sums_t is array (0 to channels - 1) of unsigned(trip_width - 1 downto 0);
@@ -100,6 +102,7 @@ architecture rtl of sigma_delta_adc is
 
   signal enable         : std_ulogic;
   signal limit          : limit_t;
+  signal highest, lowest : bound_t := (others => '0');          -- of the sums within the limit, a clock after it
   signal enabled_before : std_ulogic := '1';
   signal levels         : channels_t;
   signal count          : natural range 0 to period - 1 := 0; -- of mclk
@@ -177,8 +180,8 @@ begin
   end generate;
 
   run : process (clock) is
-    variable size : signed(trip_width downto 0);
-    variable bad  : channels_t;
+    variable sum : bound_t;
+    variable bad : channels_t;
   begin
     if rising_edge(clock) then
       now            <= now + 1;
@@ -196,6 +199,16 @@ begin
       if fresh(0) = '1' then
         stamp <= now;
       end if;
+      -- The sums are compared with both bounds at once. A size, which would be compared with the limit, takes an adder
+      -- more in the same clock.
+      highest <= trip_bias + signed(resize(limit, bound_t'length));
+      -- Not `trip_bias -`: GHDL 2.0 synthesises that with its sides changed.
+      lowest  <= to_signed(trip_bias, bound_t'length) - signed(resize(limit, bound_t'length));
+      if (or limit) = '0' then
+        highest <= to_signed(2 ** trip_width, bound_t'length);
+        lowest  <= (others => '0');
+      end if;
+
       for number in 0 to channels - 1 loop
         if take = '1' then
           before(number) <= levels(number);
@@ -221,12 +234,9 @@ begin
         end if;
 
         if trip_fresh(number) = '1' then
-          size := signed('0' & trip_sums(number)) - trip_bias;
-          if size < 0 then
-            size := -size;
-          end if;
+          sum            := signed(resize(trip_sums(number), bound_t'length));
           beyond(number) <= '0';
-          if limit /= 0 and unsigned(size) > limit then
+          if sum > highest or sum < lowest then
             beyond(number) <= '1';
           end if;
         end if;

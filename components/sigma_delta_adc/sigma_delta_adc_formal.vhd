@@ -51,6 +51,7 @@ architecture properties of sigma_delta_adc_formal is
   signal expected               : signed(31 downto 0) := (others => '0'); -- the value of channel 0
   signal enable                 : std_ulogic;
   signal limit                  : unsigned(6 downto 0);
+  signal limit_1                : unsigned(6 downto 0);           -- a clock ago, which is the one that holds
   signal offset                 : signed(10 downto 0);
 
   -- The fast value of a channel is beyond the limit.
@@ -90,11 +91,12 @@ begin
       sampled_before <= fresh(0) and not reset;
       expected       <= signed(resize(sums(19 downto 10), 32)) - bias - offset;
 
+      limit_1  <= limit;
       beyond_1 <= '0';
-      if trip_fresh(0) = '1' and is_beyond(trip_sums(13 downto 7), limit) = '1' then
+      if trip_fresh(0) = '1' and is_beyond(trip_sums(13 downto 7), limit_1) = '1' then
         beyond_1 <= '1';
       end if;
-      if trip_fresh(1) = '1' and is_beyond(trip_sums(6 downto 0), limit) = '1' then
+      if trip_fresh(1) = '1' and is_beyond(trip_sums(6 downto 0), limit_1) = '1' then
         beyond_1 <= '1';
       end if;
       beyond_2 <= beyond_1;

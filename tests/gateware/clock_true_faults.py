@@ -124,7 +124,7 @@ FAULTS = [
     ("absolute_encoder", 2, "(not is_good or not wishbone_m2s.cyc);", "'1';"),
     ("sigma_delta_adc", 0, "before(number) <= value;", "before(number) <= sums(number);"),
     ("sigma_delta_adc", 0, "settled(number) <= 0;", "null;"),
-    ("sigma_delta_adc", 0, "unsigned(size) > limit", "unsigned(size) >= limit"),
+    ("sigma_delta_adc", 0, "sum > highest or", "sum >= highest or"),
     ("sigma_delta_adc", 2, "constant take_at     : positive := 2;", "constant take_at     : positive := 1;"),
     ("sigma_delta_adc", 2, "elsif equals(number) /= equal_most then", "elsif equals(number) < 100 then"),
     ("servo_bus", 1, "engaged(number) <= or drive and known;", "engaged(number) <= or drive;"),

@@ -44,9 +44,9 @@ SENSOR_BLOCKS = (
         loose=("dut.take", "dut.fresh", "dut.trip_fresh", "dut.sums", "dut.trip_sums"),
         not_proven="mclk; other rates and numbers of channels; the filters, which have a proof of their own",
         mutants=(
-            Mutant("sigma_delta_adc.vhd", "if size < 0 then", "if false then"),
+            Mutant("sigma_delta_adc.vhd", "sum > highest or sum < lowest", "sum > highest"),
             Mutant(
-                "sigma_delta_adc.vhd", "limit /= 0 and unsigned(size) > limit", "unsigned(size) > limit + 1"
+                "sigma_delta_adc.vhd", "sum > highest or sum < lowest", "sum > highest + 1 or sum < lowest"
             ),
             Mutant(
                 "sigma_delta_adc.vhd",
