@@ -119,7 +119,6 @@ class StepgenRamp {
     load_target,
     load_position,
     load_velocity_target,
-    load_size,
     compare_speed,
     load_goal,
     write_goal,
@@ -193,17 +192,13 @@ class StepgenRamp {
         now = with(now, to_target_ ? State::load_goal : State::load_velocity_target, zero, Kept::sum, true);
         now.carry = !borrow_;
         return now;
-      case State::load_velocity_target: return with(now, State::load_size, velocity_target);
-      case State::load_size:
-        now = with(now, State::compare_speed, velocity_target, Kept::none, negative);
-        now.carry = false;
-        return now;
-      case State::compare_speed: return with(now, State::load_goal, speed, Kept::sum, true);
+      case State::load_velocity_target: return with(now, State::compare_speed, velocity_target);
+      case State::compare_speed: return with(now, State::load_goal, speed, Kept::sum, !negative);
       case State::load_goal:
         if (!goes_ || brakes_) {
           return with(now, State::write_goal, zero);
         }
-        if (!to_target_ && negative) {
+        if (!to_target_ && negative != goal_down_) {
           return with(now, State::write_goal, velocity_target);
         }
         return with(now, State::write_goal, speed, Kept::none, to_target_ ? negative : goal_down_);
@@ -235,7 +230,7 @@ class StepgenRamp {
 
   // What the first clock of an instruction keeps of the result before.
   void keep_first(State state, bool negative, std::uint32_t sum) noexcept {
-    if (state == State::load_size) {
+    if (state == State::compare_speed) {
       goal_down_ = negative;
     } else if (state == State::load_goal && !brakes_) {
       way_down_ = to_target_ ? negative : way_down_;

@@ -78,7 +78,7 @@ architecture rtl of stepgen_ramp is
   constant pass_clocks : positive := 360;
 
   type state_t is (
-    waiting, load_control, load_phase, load_target, load_position, load_velocity_target, load_size, compare_speed,
+    waiting, load_control, load_phase, load_target, load_position, load_velocity_target, compare_speed,
     load_goal, write_goal, load_change, reach, load_velocity, change_velocity, write_next, load_speed, add_reserve,
     write_reserve, add_way, take_speed, judge, finish, load_shift, put_shift, await_shift);
 
@@ -184,24 +184,19 @@ begin
         minus <= '1';
         carry <= not borrow;
       when load_velocity_target =>
-        after_it <= load_size;
-        read_word <= word_velocity_target;
-      when load_size =>
         after_it <= compare_speed;
-        -- Without the carry the most negative target has a magnitude, too. A target of minus the speed counts as less
-        -- than the speed, which is the same goal.
         read_word <= word_velocity_target;
-        minus     <= sum(31);
       when compare_speed =>
         after_it <= load_goal;
+        -- The speed is subtracted from the target, or added to a negative one. If its sign changes, it is within.
         read_word <= word_speed;
         kept      <= kept_sum;
-        minus     <= '1';
-        carry     <= '1';
+        minus     <= not sum(31);
+        carry     <= not sum(31);
       when load_goal =>
         after_it <= write_goal;
         if goes = '1' and brakes = '0' then
-          if to_target = '0' and sum(31) = '1' then
+          if to_target = '0' and sum(31) /= goal_down then
             read_word <= word_velocity_target;
           else
             read_word <= word_speed;
@@ -320,7 +315,7 @@ begin
       -- What the first clock of an instruction keeps of the result before.
       if executes = '0' then
         case state is
-          when load_size =>
+          when compare_speed =>
             goal_down <= sum(31);
           when load_goal =>
             if to_target = '1' and brakes = '0' then

@@ -44,38 +44,37 @@ end entity;
 
 architecture properties of stepgen_ramp_formal is
 
-  constant clocks_most : positive := 291; -- of a pass in which it waits for nothing
+  constant clocks_most : positive := 288; -- of a pass in which it waits for nothing
   constant places      : positive := 55;
-  constant way_begins  : positive := 46;  -- clocks until the comparison
+  constant way_begins  : positive := 43;  -- clocks until the comparison
   constant second_pass : positive := 246; -- clocks until the way back to the goal
 
   -- The places of `state` in its type.
   constant waiting       : natural := 0;
   constant load_control  : natural := 1;
-  constant load_size     : natural := 6;
-  constant compare_speed : natural := 7;
-  constant load_goal     : natural := 8;
-  constant write_goal    : natural := 9;
-  constant load_change   : natural := 10;
-  constant reach         : natural := 11;
-  constant load_velocity : natural := 12;
-  constant change_velocity : natural := 13;
-  constant write_next    : natural := 14;
-  constant load_speed    : natural := 15;
-  constant write_reserve : natural := 17;
-  constant add_way       : natural := 18;
-  constant take_speed    : natural := 19;
-  constant judge         : natural := 20;
-  constant finish        : natural := 21;
-  constant load_shift    : natural := 22;
-  constant put_shift     : natural := 23;
-  constant await_shift   : natural := 24;
+  constant compare_speed : natural := 6;
+  constant load_goal     : natural := 7;
+  constant write_goal    : natural := 8;
+  constant load_change   : natural := 9;
+  constant reach         : natural := 10;
+  constant load_velocity : natural := 11;
+  constant change_velocity : natural := 12;
+  constant write_next    : natural := 13;
+  constant load_speed    : natural := 14;
+  constant write_reserve : natural := 16;
+  constant add_way       : natural := 17;
+  constant take_speed    : natural := 18;
+  constant judge         : natural := 19;
+  constant finish        : natural := 20;
+  constant load_shift    : natural := 21;
+  constant put_shift     : natural := 22;
+  constant await_shift   : natural := 23;
 
   subtype value_t is signed(31 downto 0);
-  type upto_t is array (0 to 24) of natural; -- clocks until a state, at most
+  type upto_t is array (0 to 23) of natural; -- clocks until a state, at most
 
   constant clocks_until : upto_t := (
-    0, 0, 3, 6, 9, 12, 15, 18, 21, 24, 25, 28, 31, 34, 37, 38, 41, 44, way_begins, way_begins, 266, 285, 285, 288, 290);
+    0, 0, 3, 6, 9, 12, 15, 18, 21, 22, 25, 28, 31, 34, 35, 38, 41, way_begins, way_begins, 263, 282, 282, 285, 287);
 
   signal bank, reads, writes, store, store_shift, look, shifts : std_ulogic;
   signal axis                  : natural range 0 to 0;
@@ -103,7 +102,7 @@ architecture properties of stepgen_ramp_formal is
   signal following     : value_t := (others => '0');    -- that comes into use next
   signal goal          : value_t := (others => '0');
   signal limit, change, missing : value_t;
-  signal folded        : value_t;                       -- the velocity target, inverted if it is negative
+  signal beyond        : value_t;                       -- the velocity target without the speed in its direction
   signal clamped       : value_t;                       -- the velocity target within the speed
   signal next_velocity : value_t;                       -- as it must be
   signal works         : natural range 0 to 511 := 0;   -- clocks of a pass in which it waits for nothing
@@ -129,7 +128,7 @@ begin
   limit   <= signed(resize(fastest, 32));
   change  <= signed(resize(acceleration, 32));
   missing <= goal - velocity;
-  folded  <= not wanted when wanted < 0 else wanted;
+  beyond  <= wanted + limit when wanted < 0 else wanted - limit;
 
   clamped <= limit when wanted > limit else -limit when wanted < -limit else wanted;
 
@@ -219,9 +218,8 @@ begin
     -- What the sum is when an instruction begins.
     if adds = '0' then
       case to_integer(state) is
-        when load_size       => fits := fits and sum = wanted;
-        when compare_speed   => fits := fits and sum = folded;
-        when load_goal       => fits := fits and (follows = '0' or sum = folded - limit);
+        when compare_speed   => fits := fits and sum = wanted;
+        when load_goal       => fits := fits and (follows = '0' or sum = beyond);
         when load_change     => fits := fits and sum = goal;
         when reach           => fits := fits and sum = missing;
         when change_velocity => fits := fits and sum = velocity;
@@ -244,12 +242,12 @@ begin
       fits := fits and goes = drives and to_target = not follows and (brakes = '0' or follows = '0') and
               (follows = '0' or state < load_speed);
     end if;
-    if (state = compare_speed or state = load_goal) and follows = '1' then
+    if ((state = compare_speed and executes = '1') or state = load_goal) and follows = '1' then
       fits := fits and goal_down = to_bit(wanted < 0);
     end if;
 
     -- How long it has taken until here.
-    spent := clocks_until(minimum(to_integer(state), 24));
+    spent := clocks_until(minimum(to_integer(state), 23));
     if state = add_way then
       spent := spent + 4 * (places - 1 - to_integer(place)) + to_integer(unsigned'("" & executes));
     elsif state = take_speed then

@@ -256,16 +256,20 @@ COMPONENT_BLOCKS = (
         mutants=(
             Mutant(
                 "stepgen_ramp.vhd",
-                "minus     <= sum(31);\n      when compare_speed",
-                "minus     <= sum(31);\n        carry     <= sum(31);\n      when compare_speed",
+                "carry     <= not sum(31);\n      when load_goal",
+                "carry     <= sum(31);\n      when load_goal",
             ),
-            Mutant("stepgen_ramp.vhd", "minus     <= not sum(31);", "minus     <= sum(31);"),
+            Mutant(
+                "stepgen_ramp.vhd",
+                "minus     <= not sum(31);\n        carry     <= not sum(31);\n      when load_velocity",
+                "minus     <= sum(31);\n        carry     <= not sum(31);\n      when load_velocity",
+            ),
             Mutant("stepgen_ramp.vhd", "if sum(31) /= slower then", "if sum(31) = slower then"),
             Mutant("stepgen_ramp.vhd", "word_velocity when bank = '0'", "word_velocity when bank = '1'"),
             Mutant("stepgen_ramp.vhd", "if goes = '1' and brakes = '0' then", "if brakes = '0' then"),
             Mutant(
                 "stepgen_ramp.vhd",
-                "if to_target = '0' and sum(31) = '1' then",
+                "if to_target = '0' and sum(31) /= goal_down then",
                 "if to_target = '0' then",
             ),
             Mutant("stepgen_ramp.vhd", "(state = await_shift and shifted = '1')", "state = await_shift"),
