@@ -27,7 +27,7 @@ PAGE = ROOT / "docs" / "robots.md"
 RECORD = ROOT / "gateware" / "bitstreams.json"
 FULL = 0.8  # a fuller chip has no room to spare
 # These fill more, and docs/robots.md says so.
-FULLER = {"diff_drive ice40-hx8k": 30 / 32}
+FULLER = {"diff_drive ice40-hx8k": 1.0}
 _COMMAND = re.compile(r"^unitylink build (examples/(\w+)/\w+\.ul) --board ([\w:-]+)((?: --pin \S+)*)$", re.M)
 _TABLE = re.compile(r"(<!-- `make bitstreams` writes this table -->\n\n).*?(?=\n\n[^|]|\n*\Z)", re.DOTALL)
 
