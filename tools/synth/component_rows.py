@@ -10,7 +10,7 @@ COMPONENT_ROWS = (
         "stepgen",
         "a component: step and direction with ramps, four axes",
         top="stepgen",
-        cells_most=1010,
+        cells_most=1000,
         mhz_least=50.0,
         memories_most=6,
         ecp5_mhz_least=100.0,
