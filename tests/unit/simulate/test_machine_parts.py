@@ -90,7 +90,7 @@ def test_a_duty_turns_the_motor_and_the_encoder_counts(form: int) -> None:
         board["drive.control"].write({"enable": True, "coast": False})
         link.step(0.2)
         wanted = -(12.0 - RE_40.resistance_ohm * RE_40.no_load_current_ma / 1000) / RE_40.constant
-        assert motor.speed_rad_s == pytest.approx(wanted, rel=0.02)  # the dead time of a bridge is 1 %
+        assert motor.speed_rad_s == pytest.approx(wanted, rel=0.025)  # the dead time takes 1 % of 24 V
         turns = motor.angle_rad / (2 * math.pi)
         assert board["shaft.position"].read() == pytest.approx(2000 * turns, abs=0.001 * 2000 * 70)
         assert board["shaft.index_count"].read() == pytest.approx(-turns, abs=1.2)
