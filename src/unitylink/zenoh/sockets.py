@@ -58,7 +58,11 @@ def sockets_between(here: str, there: str) -> Iterator[socket.socket]:
     ends = _end(here), _end(there)
     if None in ends:
         return
-    for name in os.listdir(_DESCRIPTORS):
+    try:
+        names = os.listdir(_DESCRIPTORS)
+    except OSError:  # a system without this folder, such as Windows: its sockets stay as they are
+        return
+    for name in names:
         with contextlib.suppress(OSError):  # it is closed meanwhile, or is no socket with two ends
             if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
                 continue

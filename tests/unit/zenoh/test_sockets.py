@@ -52,3 +52,8 @@ def test_each_session_is_so() -> None:
             with ExitStack() as stack:
                 some = [stack.enter_context(one) for one in sockets_between(link.src, link.dst)]
                 until(lambda some=some: some and not any(map(lingers, some)))
+
+
+def test_a_system_without_the_folder_of_descriptors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("unitylink.zenoh.sockets._DESCRIPTORS", "/dev/none")
+    assert relax("tcp/127.0.0.1:1", "tcp/127.0.0.1:2") == 0
