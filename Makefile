@@ -41,8 +41,8 @@
 #                with this one)
 #   make lerobot works with LeRobot itself, in build/lerobot (5.4 GB, ten minutes the first time)
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is
-#                SEED + MESSAGES / 360000; RTL=1 MESSAGES=1000000: of the compiled gateware, both engines; the next
-#                shard's SEED is behind the last seed that it prints)
+#                SEED + MESSAGES / 360000). With RTL=1 MESSAGES=1000000 that of the compiled gateware, with both
+#                engines: the next shard's SEED is behind the last seed that it prints
 #   make mutants what the simulation must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
