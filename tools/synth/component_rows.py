@@ -168,8 +168,10 @@ COMPONENT_ROWS = (
         "h_bridge",
         "a component: a DC motor behind four gates, at 20 kHz",
         top="narrow_h_bridge",
-        cells_most=300,
+        cells_most=190,
         mhz_least=50.0,
+        memories_most=1,
+        ecp5_mhz_least=100.0,
     ),
     Row("gpio", "a component: eight pins", top="gpio", seeds=SEEDS[:1]),
     Row(
@@ -198,6 +200,7 @@ COMPONENT_ROWS = (
         "a component: two channels of sinc3 behind sigma-delta modulators, with trips",
         top="narrow_sigma_delta_adc",
         mhz_least=50.0,
+        ecp5_mhz_least=100.0,
     ),
     Row(
         "hall",
