@@ -32,6 +32,7 @@ from .report import Area, Report, budget_of, forget
 from .wrapper import NAME, constraints, has_reset, wrapper
 
 Tell = Callable[[str], None]
+_NO_PLACEMENT = "Unable to find legal placement"  # also on a chip with room: another seed may
 _LINES_SHOWN = 6
 
 
@@ -221,12 +222,12 @@ def _place(
     clock_hz: int,
     tell: Tell,
 ) -> _Placed:
-    """Place and route with one seed after another until the clock is met.
+    """Place and route with one seed after another until all cells have a place and the clock is met.
 
     Raises BoardError if none meets it.
     """
     option, ending = family.routed
-    best = link_best = 0
+    best = link_best = unplaced = 0
     for seed in range(1, order.seeds + 1):
         tell(f"nextpnr places and routes, seed {seed}")
         files = ["--json", "board.json", f"--{family.constraints}", f"board.{family.constraints}"]
@@ -234,6 +235,10 @@ def _place(
         options = ["--freq", f"{clock_hz / 1e6:.6f}", "--seed", str(seed), "--timing-allow-fail"]
         ended = run_tool([*command, *files, *options], order.folder, joined=True)
         (order.folder / "nextpnr.log").write_text(ended.out, encoding="utf-8")
+        if _NO_PLACEMENT in ended.out and not overflow(ended.out):
+            unplaced += 1
+            tell(f"seed {seed} finds no place for all cells")
+            continue
         if ended.code != 0:
             raise _refused(order, configuration, ended.out)
         timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
@@ -254,6 +259,11 @@ def _place(
             )
             return _Placed(fmax_hz, link_fmax_hz, seed, area)
         tell(f"seed {seed} reaches {fmax_hz / 1e6:.1f} of {clock_hz / 1e6:.6g} MHz")
+    if unplaced == order.seeds:
+        raise BoardError(
+            f"nextpnr finds no place for all cells with {order.seeds} seeds, although the chip has enough of "
+            f"them: try more with --seeds, or a larger chip. Its whole output: {order.folder / 'nextpnr.log'}"
+        )
     if not best:
         raise BoardError(
             f"the link is too slow for its chip's clock: {link_best / 1e6:.1f} MHz at best of {order.seeds} "

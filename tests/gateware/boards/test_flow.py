@@ -34,6 +34,9 @@ USED = '"utilization": {"SB_IO": {"used": 15, "available": 256}}'
 FINE = f"""echo '{{"fmax": {{"clock_": {{"achieved": 60.0}}}}, {USED}}}' > timing.json
 touch board.asc
 """
+UNPLACED = """echo 'ERROR: Unable to find legal placement for all cells, design is probably full.'
+exit 1
+"""
 BROKEN = "echo 'ERROR: IO constraint on pin 99 does not exist'; exit 1\n"
 
 
@@ -55,6 +58,19 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
     return Order(spec_file=str(tmp_path / "lamp.ul"), folder=tmp_path / "out", board=board, seeds=2)
 
 
+def test_another_seed_may_find_a_place(order: Order, tmp_path: Path) -> None:
+    other = f'case "$*" in *"--seed 1 "*) {UNPLACED.strip()};; esac\n'.replace("\nexit", "; exit")
+    program(tmp_path / "bin", "nextpnr-ice40", other + FINE)
+    program(tmp_path / "bin", "icepack", 'cp "$1" "$2"\n')
+    said: list[str] = []
+    assert build_bitstream(order, said.append).fmax_hz == 60_000_000
+    assert [text for text in said if "seed" in text] == [
+        "nextpnr places and routes, seed 1",
+        "seed 1 finds no place for all cells",
+        "nextpnr places and routes, seed 2",
+    ]
+
+
 @pytest.mark.parametrize(
     ("nextpnr", "kind", "message"),
     [
@@ -70,6 +86,11 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
             BoardError,
             r"too slow for its clock: 31.2 MHz at best of 2 seeds, .*--clock-hz 31000000",
         ),
+        (
+            UNPLACED,
+            BoardError,
+            r"no place for all cells with 2 seeds, .*--seeds, or a larger chip.*nextpnr.log",
+        ),
         (BROKEN, ToolError, "nextpnr failed .*nextpnr.log.*\nERROR: IO constraint on pin 99 does not exist"),
     ],
 )
@@ -82,7 +103,8 @@ def test_no_bitstream_and_why(
     said: list[str] = []
     with pytest.raises(kind, match=message):
         build_bitstream(order, said.append)
-    assert said[-1].startswith("seed 2 reaches" if nextpnr is SLOW else "nextpnr places and routes, seed 1")
+    last = {SLOW: "seed 2 reaches", UNPLACED: "seed 2 finds no place"}
+    assert said[-1].startswith(last.get(nextpnr, "nextpnr places and routes, seed 1"))
     with pytest.raises(BoardError, match="has no finished build of `unitylink build SPEC --board NAME`"):
         read_report(order.folder)
 
