@@ -83,7 +83,9 @@ class Way:
                 threading.Thread(target=self._carry, args=(source, target), daemon=True).start()
 
     def _carry(self, source: socket.socket, target: socket.socket) -> None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(
+            OSError, ValueError
+        ):  # a socket that the other direction has closed has no number
             while select.select([source], [], []) and (data := source.recv(65536)):
                 self.whole.wait()
                 target.sendall(data)
