@@ -83,9 +83,8 @@ class Way:
                 threading.Thread(target=self._carry, args=(source, target), daemon=True).start()
 
     def _carry(self, source: socket.socket, target: socket.socket) -> None:
-        with contextlib.suppress(
-            OSError, ValueError
-        ):  # a socket that the other direction has closed has no number
+        # A socket that the other direction has closed has no number any more.
+        with contextlib.suppress(OSError, ValueError):
             while select.select([source], [], []) and (data := source.recv(65536)):
                 self.whole.wait()
                 target.sendall(data)
