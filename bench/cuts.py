@@ -22,7 +22,7 @@ from pathlib import Path
 
 from fleet import UP_S, until
 from namespaces import PORT, ROUTER, TTL_S, Lab, described, pids
-from partition import APART, BEFORE_S, Sender, judge
+from partition import BEFORE_S, Sender, end, judge, started
 
 
 def fresh_after_s(senders: list[Sender], since_s: float) -> float:
@@ -50,13 +50,8 @@ def main() -> None:
         lab.start("robots", "-m", "unitylink", "fleet", str(fleet.file))
         lab.enter("reader")
         until(lambda: pids(fleet), UP_S)
-        end = threading.Event()
-        senders = [
-            Sender(f"zenoh:{robot.key}?connect={router}", number * APART, TTL_S, end)
-            for number, robot in enumerate(fleet.robots, 1)
-        ]
-        for sender in senders:
-            sender.start()
+        stop = threading.Event()
+        senders = started([robot.key for robot in fleet.robots], router, TTL_S, stop)
         until(lambda: all(one.last_seen_s for one in senders), UP_S)
         times_s: list[float] = []
         for number in range(1, options.cuts + 1):
@@ -66,10 +61,7 @@ def main() -> None:
             lab.let("robots", True)
             times_s.append(fresh_after_s(senders, time.monotonic()))
             print(f"cut {number}: all values are fresh {times_s[-1]:.2f} s later", flush=True)
-        time.sleep(BEFORE_S)
-        end.set()
-        for sender in senders:
-            sender.join(10.0)
+        end(senders, stop)
         print(f"median {statistics.median(times_s):.2f} s, worst {max(times_s):.2f} s", end="; ")
         quick = sum(one <= 1 for one in times_s)
         print(f"within 1 s: {quick} of {len(times_s)}; load {os.getloadavg()[0]:.0f}")

@@ -134,6 +134,12 @@ def measure(
     print(f"a bridge with its board: {100 * bridge:.2f} % of a core, {memory_mb(bridges[0]):.1f} MB")
 
 
+def free_port() -> int:
+    """Return a port that nobody has."""
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        return int(one.getsockname()[1])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robots", type=int, default=8)
@@ -141,8 +147,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--kill-router", action="store_true", help="kill it, and start it again after 2 s")
     options = parser.parse_args()
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        locator = f"tcp/127.0.0.1:{one.getsockname()[1]}"
+    locator = f"tcp/127.0.0.1:{free_port()}"
     router = started_router(locator)
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         stack.callback(lambda: router.kill())  # noqa: PLW0108  the one that runs then

@@ -21,6 +21,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from fleet import free_port
+
 from unitylink import connect
 from unitylink.commands.fleet_bridges import start_bridge
 from unitylink.errors import LinkError
@@ -127,8 +129,7 @@ def main() -> None:
     parser.add_argument("--cut", type=float, default=10.0, metavar="S", help="how long the way is cut")
     parser.add_argument("--ttl", type=float, default=0.1, metavar="S", help="time to live of a set-point")
     options = parser.parse_args()
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        port = one.getsockname()[1]
+    port = free_port()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "arm.ul").write_text(SPEC)
@@ -154,11 +155,7 @@ def cut(
 ) -> list[Sender]:
     """Send set-points to robots through the router at `place`. `let` cuts the way to them, and mends it."""
     stop = threading.Event()
-    senders = [
-        Sender(f"zenoh:{key}?connect={place}", n * APART, ttl_s, stop) for n, key in enumerate(keys, 1)
-    ]
-    for sender in senders:
-        sender.start()
+    senders = started(keys, place, ttl_s, stop)
     time.sleep(BEFORE_S)
     if not all(sender.last_seen_s for sender in senders):
         raise SystemExit("not all robots publish")
@@ -175,11 +172,26 @@ def cut(
         time.sleep(0.01)
     fresh_s = time.monotonic() - whole_s
     print(f"nothing came meanwhile from {silent} of them; all have fresh values {fresh_s:.2f} s later")
+    end(senders, stop)
+    return senders
+
+
+def started(keys: Sequence[str], place: str, ttl_s: float, stop: threading.Event) -> list[Sender]:
+    """Begin to send set-points to robots through the router at `place`."""
+    senders = [
+        Sender(f"zenoh:{key}?connect={place}", n * APART, ttl_s, stop) for n, key in enumerate(keys, 1)
+    ]
+    for sender in senders:
+        sender.start()
+    return senders
+
+
+def end(senders: Sequence[Sender], stop: threading.Event) -> None:
+    """Stop them when all has been well for a while."""
     time.sleep(BEFORE_S)
     stop.set()
     for sender in senders:
         sender.join(10.0)
-    return senders
 
 
 def executed(folder: Path) -> list[tuple[float, int, float]]:

@@ -16,7 +16,6 @@ import json
 import os
 import random
 import signal
-import socket
 import tempfile
 import threading
 import time
@@ -24,17 +23,12 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import partition
+from fleet import free_port
 from partition import APART, BEFORE_S, ORACLE, SPEC, Sender, judge
 from zenoh_bridge import Processes
 
 PERIOD_S = 0.001
 KEY = "bench/r1"
-
-
-def free_port() -> int:
-    """Return a port that nobody has."""
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return int(one.getsockname()[1])
 
 
 def main() -> None:

@@ -14,7 +14,6 @@ import argparse
 import json
 import os
 import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from typing import Any
 
 import numpy as np
 import zenoh
+from fleet import free_port
 
 from unitylink import connect
 from unitylink.zenoh.bridge.groups import Group
@@ -143,8 +143,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seconds", type=float, default=4.0)
     seconds = parser.parse_args().seconds
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        router = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    router = f"tcp/127.0.0.1:{free_port()}"
     request = Request(1, 1, 1, operations=((1, 0x80, 0, 0),)).encode()
     answer = Answer(1, 1, (0,)).encode()
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from ...components import BoardComponent
@@ -39,7 +40,7 @@ class Drive(Protocol):
 Motor = TypeVar("Motor", TurnedMotor, TurnedBrushless)
 
 
-class WindingsDrive(Generic[Motor]):
+class WindingsDrive(ABC, Generic[Motor]):
     """A motor whose currents also flow between two steps of the plant, where something looks at its pins."""
 
     def __init__(self, motor: Motor, axis: Axis, push: Push) -> None:
@@ -58,8 +59,9 @@ class WindingsDrive(Generic[Motor]):
         self._looked = False
         self._push.give(self._axis.sign * self.motor.taken_torque_nm())
 
+    @abstractmethod
     def _flow(self, seconds: float) -> None:
-        raise NotImplementedError
+        """Let the currents flow for so long, as the pins are."""
 
 
 class MotorDrive(WindingsDrive[TurnedMotor]):
