@@ -137,7 +137,7 @@ test:
 unit: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh boards
-	$(BIN)/python -m pytest tests/unit -q -n 3 --dist loadgroup
+	$(BIN)/python -m pytest tests/unit -q -n 5 --dist loadgroup
 
 develop: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test
