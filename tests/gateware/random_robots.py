@@ -25,8 +25,8 @@ from unitylink.spec import Element, Spec, load
 
 ROOT = Path(__file__).resolve().parents[2]
 TURNS = 40
-# So many clocks there are from a byte at the pins to the access on the bus, at most. `sim:` has none. So a
-# word may be that of a little later. What counts clocks or microseconds may be less by so many.
+# So many clocks there are from a byte at the pins to the access on the bus, at most. `sim:` has none. So on
+# `rtl:` a word may be that of a little earlier or later. A time may differ by so many clocks or microseconds.
 WAY_CLOCKS = {"fast": 64, "small": 1200}
 _TIMES = re.compile(r"(.*\.)?(index_)?(stamp|age)(\[\d+\])?")
 _BODY = re.compile(r"public \w+\([^)]*\)\s*\{(.*)\}\s*$", re.DOTALL)
@@ -148,30 +148,47 @@ def differences(file: Path, done: Sequence[Access], board: BoardConfiguration) -
     way = WAY_CLOCKS[board.engine]
     differ = []
     with connect(f"sim:{file}?timeout=60&clock_hz={board.clock_hz}", time="lockstep") as link:
+        given: list[Outcome]
         for access in done:
-            if link.board.time_s < access.time_s:
-                link.step(access.time_s - link.board.time_s)
-            given = access.on(link)
-            if given == access.outcome:
-                continue
             if access.value is None:
-                link.step(way / board.clock_hz)
-                if between(given, access.outcome, access.on(link), way * player.slack[access.address]):
-                    continue
-            name = player.names[access.address]
-            differ.append(f"{name} at {access.time_s:.6f} s: {access.outcome} on rtl:, {given} on sim:")
+                given = around(link, access, way / board.clock_hz)
+            else:
+                to(link, access.time_s)
+                given = [access.on(link)]
+            slack = way * player.slack[access.address]
+            if not between(given, access.outcome, slack):
+                name = player.names[access.address]
+                differ.append(
+                    f"{name} at {access.time_s:.6f} s: {access.outcome} on rtl:, {given[0]} on sim:"
+                )
     return differ
 
 
-def between(before: Outcome, there: Outcome, after: Outcome, slack: int = 0) -> bool:
-    """Return whether a word is one of two, or counts from one to the other, or misses them by `slack`.
+def around(link: Link, access: Access, way_s: float) -> list[Outcome]:
+    """Return what a read gives a little before its time, then, and a little later."""
+    given = []
+    for later_s in (-way_s, 0.0, way_s):
+        to(link, access.time_s + later_s)
+        given.append(access.on(link))
+    return given
 
-    >>> between(7, 8, 9), between(7, 6, 9), between(7, 6, 9, 1), between("BusError", 0, 0)
+
+def to(link: Link, time_s: float) -> None:
+    """Step to a time, if it is not over."""
+    if link.board.time_s < time_s:
+        link.step(time_s - link.board.time_s)
+
+
+def between(given: Sequence[Outcome], there: Outcome, slack: int = 0) -> bool:
+    """Return whether a word is one of those given, counts between them, or misses them by `slack`.
+
+    >>> between([7, 9], 8), between([7, 9], 6), between([7, 9], 6, 1), between(["BusError", 0], 0)
     (True, False, True, True)
     """
-    if isinstance(before, str) or isinstance(there, str) or isinstance(after, str):
-        return there in (before, after)
-    return min(before, after) - slack <= there <= max(before, after) + slack
+    if there in given or isinstance(there, str):
+        return there in given
+    words = [word for word in given if isinstance(word, int)]
+    return len(words) == len(given) and min(words) - slack <= there <= max(words) + slack
 
 
 def main() -> None:

@@ -23,4 +23,4 @@ def test_both_boards_do_the_same(seed: int, tmp_path: Path) -> None:
     assert isinstance(outcome, int)
     done[wrong] = replace(done[wrong], outcome=outcome ^ 1 << 30)
     (told,) = differences(file, done, board)
-    assert f"{outcome ^ 1 << 30} on rtl:, {outcome} on sim:" in told
+    assert f"{outcome ^ 1 << 30} on rtl:" in told
