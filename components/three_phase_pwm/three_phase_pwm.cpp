@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t phases = 3;
 constexpr Clock turn_clocks = 4;
-constexpr Clock clearing_clocks = 4;
+constexpr Clock clearing_clocks = 6;  // two for the steps, four for the registers
 
 // The counter of all phases, without a run of every clock. A period is a turn, and then steps of an accumulator.
 class Counter {
@@ -33,9 +33,8 @@ class Counter {
   void begin_next() noexcept {
     const std::uint64_t one = std::uint64_t{1} << rate_.bits();
     const std::uint64_t sum = first_ + (wraps() - moves()) * rate_.increment();
-    const bool steps = sum / one > (sum - rate_.increment()) / one;
     begun_ = wraps();
-    first_ = sum % one + (steps ? one : 0);
+    first_ = sum % one;
   }
 
   [[nodiscard]] Clock begun() const noexcept { return begun_; }
@@ -44,7 +43,7 @@ class Counter {
   [[nodiscard]] Clock reaches(std::uint64_t position) const noexcept {
     const std::uint64_t sum = position << rate_.bits();
     const std::uint64_t left = sum > first_ ? sum - first_ : 0;
-    return moves() + 1 + (left + rate_.increment() - 1) / rate_.increment();
+    return moves() + (left + rate_.increment() - 1) / rate_.increment();
   }
   [[nodiscard]] Clock middle() const noexcept { return reaches(levels()); }
   [[nodiscard]] Clock wraps() const noexcept { return reaches(2 * levels()); }
@@ -61,7 +60,7 @@ class Counter {
   std::uint32_t bits_;
   Tick rate_;
   Clock begun_ = 0;
-  std::uint64_t first_ = 0;  // of the accumulator and its carry, after the turn
+  std::uint64_t first_ = 0;  // of the accumulator, after the turn
 };
 
 class ThreePhasePwm final : public Component {

@@ -15,8 +15,9 @@
 --
 -- New duties take effect at the start of a period. There the counter stands for 4 clocks, the turn, in which the phases
 -- 2, 1 and 0 take their duties. So each pulse is a whole old one or a whole new one. Each phase follows the counter: it
--- keeps its level minus the counter, and adds the same step as the counter does. Duties are in block RAM, and in no
--- register. Dead time and fault: see bridge_gates. Bits that a register does not have read as zero and are not stored.
+-- keeps its level minus the counter, and adds the same step as the counter does. Duties and steps are in block RAM, and
+-- in no register. Dead time and fault: see bridge_gates. Bits that a register does not have read as zero and are not
+-- stored.
 --
 -- Generics  The counter has the largest power of two of levels with which no level lasts less than a clock, but at most
 --           2**(duty_bits - 2). A duty is rounded to these.
@@ -28,8 +29,8 @@
 -- Latency   2 clocks per access. A write waits for the end of a turn, up to 4 clocks more. From the write of control to
 --           the gates 3 clocks, and the dead time. From the counter to the gates 2 clocks.
 -- Errors    err for a write to +1, for addresses from 6 on, and for writes that do not select all bytes.
--- Reset     Disabled, all gates off. Then all duties become 0, and the dead time the least one, in 4 clocks. Accesses
---           wait for that.
+-- Reset     Disabled, all gates off. Then the steps are written, all duties become 0, and the dead time the least one,
+--           in 6 clocks. Accesses wait for that.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -70,7 +71,7 @@ end entity;
 architecture rtl of three_phase_pwm is
 
   constant turn_clocks : positive := 4;
-  constant word_bits   : positive := maximum(duty_bits, dead_bits + 1); -- so the highest bit of a dead time is 0
+  constant word_bits   : positive := maximum(duty_bits, dead_bits) + 1; -- of all words, with a sign
   constant all_bytes   : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
 
   function counter_bits return positive is
@@ -91,14 +92,23 @@ architecture rtl of three_phase_pwm is
   subtype stored_t is std_ulogic_vector(word_bits - 1 downto 0);
   subtype level_t is signed(counter_bits + 1 downto 0); -- in half levels
   type memory_t is array (0 to 7) of stored_t;
-  type terms_t is array (0 to 7) of level_t;
+  subtype term_place_t is unsigned(3 downto 0);
+  type terms_t is array (0 to 15) of level_t;
   type levels_t is array (0 to 2) of level_t;
   type wires_t is array (0 to 2) of wire_t;
 
-  constant lowest : level_t := to_signed(1 - 2 * levels, level_t'length); -- level 0 minus the largest counter
+  constant lowest : level_t := to_signed(1 - levels, level_t'length); -- half a level minus the largest counter
 
-  -- The dead time and the duties at their addresses, and the duties as levels. A memory is never read and written at
-  -- once: what such a read gives depends on the chip.
+  -- A step of the counter, as a duty.
+  constant step : stored_t := std_ulogic_vector(to_unsigned(2 ** (duty_bits - counter_bits), word_bits));
+
+  -- The slots of a turn, in their order. A slot is also the end of the address of the duty that is read in it.
+  subtype slot_t is unsigned(1 downto 0);
+  constant slot_idle : slot_t := "01"; -- also the first one
+  constant slot_last : slot_t := "10";
+
+  -- The dead time and the duties at their addresses. What the phases add: a duty in a slot, else a step, up in the
+  -- first half and down in the second one. No place is read and written at once: what that gives depends on the chip.
   signal memory : memory_t := (others => (others => '0'));
   signal terms  : terms_t  := (others => (others => '0'));
 
@@ -106,10 +116,13 @@ architecture rtl of three_phase_pwm is
   signal address                  : place_t;                          -- its lowest bits
   signal asked, known, takes      : std_ulogic;
   signal is_stored, writes        : std_ulogic;                       -- the word is in the memory, and is written
+  signal step_up, step_down       : std_ulogic;                       -- that is written
   signal ack, err                 : std_ulogic := '0';
-  signal clearing                 : std_ulogic := '1';
+  signal clearing, stepping       : std_ulogic := '1';                -- after a reset, see `move`
+  signal busy                     : std_ulogic;                       -- one of them
   signal control                  : std_ulogic_vector(2 downto 0) := "000";
-  signal place, slot_place        : place_t;                          -- that is written, and that of the slot
+  signal place                    : place_t;                          -- that is written
+  signal term_place, added_place  : term_place_t;                     -- the same of a term, and the one that is read
   signal is_dead                  : std_ulogic;                       -- the dead time is written
   signal data, found              : stored_t;
   signal few                      : std_ulogic_vector(3 downto 0);    -- of control or status
@@ -125,28 +138,36 @@ architecture rtl of three_phase_pwm is
   signal running, latched, fault_seen    : std_ulogic;
 
   -- The counter.
-  signal fraction : unsigned(bits downto 0)         := (others => '0'); -- its highest bit: the counter steps
-  signal position : unsigned(counter_bits downto 0) := (others => '0'); -- in the period, in levels
-  signal stepped  : std_ulogic                      := '0';
-  signal second   : std_ulogic;                                         -- the second half of the period
-  signal half     : std_ulogic                      := '0';             -- the same, a clock ago
-  signal turn     : std_ulogic                      := '1';             -- the counter stands
-  signal slot     : unsigned(1 downto 0)            := "00";            -- of the turn, or of the clearing
-  signal loading  : std_ulogic;                                         -- a turn before or in a run
-  signal term     : level_t;                                            -- from the memory: what is added
-  signal addend   : level_t;                                            -- the same, or that of a wire
-  signal aboves   : levels_t;                                           -- level minus counter; not from 0 on is low
+  signal counter  : unsigned(counter_bits + bits downto 0) := (others => '0'); -- in the period: levels and a fraction
+  signal odd      : std_ulogic;                    -- the lowest bit of the levels
+  signal odd_1    : std_ulogic := '0';             -- the same, a clock ago
+  signal second   : std_ulogic;                    -- the second half of the period
+  signal half     : std_ulogic := '0';             -- the same, a clock ago
+  signal steps    : std_ulogic;                    -- the phases step
+  signal moving   : std_ulogic := '0';             -- the counter: it is not in a turn
+  signal slot     : slot_t     := slot_idle;       -- of the turn, or of the clearing
+  signal holds    : std_ulogic;                    -- not all phases have their new duties
+  signal loading  : std_ulogic;                    -- a turn before or in a run
+  signal term     : level_t;                       -- from the memory: what is added
+  signal addend   : level_t;                       -- the same, or the duty of a wire
+  signal aboves   : levels_t;                      -- level minus counter; not from 0 on is low
   signal sides    : std_ulogic_vector(2 downto 0);
 
-  -- The duty in whole words, and as a level from 0.
+  -- A duty as a whole word, and in half levels.
   function signed_word (word : std_ulogic_vector) return stored_t is
   begin
     return std_ulogic_vector(resize(signed(word(duty_bits - 1 downto 0)), word_bits));
   end function;
 
+  -- The slot in which a phase takes its duty: phase 2 in the second one.
+  function loads_in (number : natural) return slot_t is
+  begin
+    return to_unsigned((number + 2) mod 4, slot_t'length);
+  end function;
+
   function level_of (word : stored_t) return level_t is
   begin
-    return '0' & not word(duty_bits - 1) & signed(word(duty_bits - 2 downto duty_bits - 1 - counter_bits));
+    return resize(signed(word(word_bits - 1 downto duty_bits - 1 - counter_bits)), level_t'length);
   end function;
 
 begin
@@ -157,18 +178,23 @@ begin
     severity failure;
 
   -- The bus. Writes wait while the memory gives levels.
+  busy      <= clearing or stepping;
   address   <= unsigned(wishbone_m2s.adr(place_t'range));
   is_stored <= address(2) or address(1);
-  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not clearing;
+  asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err and not busy;
   known     <= '1' when unsigned(wishbone_m2s.adr(wishbone_m2s.adr'high downto place_t'length)) = 0 and
                         address < 6 and
                         (wishbone_m2s.we = '0' or
                          (address /= 1 and wishbone_m2s.sel(all_bytes'range) = all_bytes)) else '0';
   takes     <= asked and known and not (wishbone_m2s.we and loading);
-  writes    <= clearing or (takes and wishbone_m2s.we and is_stored);
-  slot_place <= 5 - ('0' & slot);
-  place     <= slot_place when clearing = '1' else address;
+  writes    <= busy or (takes and wishbone_m2s.we and is_stored);
+  place     <= not slot(1) & slot when busy = '1' else address;
   is_dead   <= not place(2) and place(1) and not place(0);
+
+  step_up     <= stepping and clearing;
+  step_down   <= stepping and not clearing;
+  term_place  <= stepping & step_down & place(slot'range);
+  added_place <= moving & second & slot;
 
   choose : process (all) is
   begin
@@ -181,6 +207,11 @@ begin
       data(dead_t'range) <= at_least(wishbone_m2s.dat(dead_t'range) and (dead_t'range => not clearing),
                                      dead_minimum_ns);
     end if;
+    if step_up = '1' then
+      data <= step;
+    elsif step_down = '1' then
+      data <= std_ulogic_vector(-signed(step));
+    end if;
   end process;
 
   answer : process (clock) is
@@ -192,13 +223,16 @@ begin
         control <= wishbone_m2s.dat(control'range);
       end if;
       if writes = '1' then
-        memory(to_integer(place)) <= data;
-        terms(to_integer(place))  <= level_of(data);
+        memory(to_integer(place))     <= data;
+        terms(to_integer(term_place)) <= level_of(data);
       end if;
       -- Not an `else` of the line above: GHDL 2.0 synthesises its condition without the `not`.
       if writes = '0' then
         found <= memory(to_integer(address));
-        term  <= terms(to_integer(slot_place));
+      end if;
+      -- A step is read in each clock, for none may be late. The place above is that of a duty then.
+      if writes = '0' or (moving = '1' and stepping = '0') then
+        term <= terms(to_integer(added_place));
       end if;
 
       few <= "0000";
@@ -274,24 +308,21 @@ begin
       clock_hz => clock_hz, legs => 3, dead_minimum_ns => dead_minimum_ns, fault_level => fault_level)
     port map (
       clock => clock, reset => reset, enable => drives, dead => data(dead_t'range), dead_write => writes and is_dead,
-      hold => or slot, driven => "111", sides => sides, running => running, tripped => latched, trip => tripped,
+      hold => holds, driven => "111", sides => sides, running => running, tripped => latched, trip => tripped,
       fault_seen => fault_seen, fault => fault, high => high, low => low);
 
-  second  <= position(counter_bits);
-  loading <= turn and (running or or (slot));
+  second  <= counter(counter'high);
+  odd     <= counter(bits);
+  steps   <= (odd xor odd_1) and (second xnor half);
+  holds   <= '1' when slot /= slot_idle else '0';
+  loading <= not moving and (running or holds);
 
-  -- What is added to the levels: in a turn the levels of the duties, which the slot before has read, else a step up or
-  -- down.
+  -- What is added to the levels: what was read in the slot before, or the duty of a wire.
   come : process (all) is
   begin
-    addend    <= (others => second);
-    addend(1) <= '1';
-    addend(0) <= '0';
-    if loading = '1' then
-      addend <= term;
-    end if;
+    addend <= term;
     for number in wires'range loop
-      if loading = '1' and slot = 3 - number and valid(number) = '1' then
+      if moving = '0' and slot = loads_in(number) and valid(number) = '1' then
         addend <= level_of(signed_word(std_ulogic_vector(value_of(wires(number)))));
       end if;
     end loop;
@@ -299,49 +330,52 @@ begin
 
   -- The counter falls, then rises. `aboves` rise, then fall, a clock later.
   move : process (clock) is
-    variable wraps : unsigned(counter_bits + 1 downto 0);
+    variable sum : unsigned(counter'high + 1 downto 0);
   begin
     if rising_edge(clock) then
-      stepped <= fraction(bits) and not turn;
-      half    <= second;
-      sample  <= (control(1) and half and not second) or (control(2) and second and not half);
-      if turn = '0' then
-        fraction <= ('0' & fraction(bits - 1 downto 0)) + phase_increment(moves_hz, rate_hz);
+      sum := ('0' & counter) + phase_increment(moves_hz, rate_hz);
+      if moving = '1' then
+        counter <= sum(counter'range);
       end if;
-      if turn = '0' and fraction(bits) = '1' then
-        wraps    := ('0' & position) + 1;
-        position <= wraps(position'range);
-        turn     <= wraps(wraps'high);
+      moving <= '0';
+      if sum(sum'high) = '0' and (moving = '1' or slot = slot_last) then
+        moving <= '1';
       end if;
+      odd_1  <= odd;
+      half   <= second;
+      sample <= (control(1) and half and not second) or (control(2) and second and not half);
 
-      slot <= "00";
-      if clearing = '1' or loading = '1' then
-        slot <= slot + 1;
+      slot <= slot_idle;
+      if loading = '1' or (clearing = '1' and stepping = '0') then
+        slot <= slot - 1;
       end if;
-      clearing <= clearing and nand slot;
-      if slot = 3 then
-        turn <= '0';
+      -- After a reset: the step up is written, then the step down, then the registers in four slots.
+      if stepping = '1' then
+        clearing <= not clearing;
+        stepping <= clearing;
+      elsif slot = slot_last then
+        clearing <= '0';
       end if;
 
       for number in aboves'range loop
-        if (stepped = '1' and half = second) or (loading = '1' and slot = 3 - number) then
+        if steps = '1' or (moving = '0' and slot = loads_in(number)) then
           aboves(number) <= aboves(number) + addend;
         end if;
-        if (turn = '1' and slot = 0) or running = '0' then
+        if running = '0' or (moving = '0' and holds = '0') then
           aboves(number) <= lowest;
         end if;
       end loop;
 
       if running = '0' then
-        fraction <= (others => '0');
-        position <= (others => '0');
-        turn     <= '1';
-        half     <= '0';
-        sample   <= '0';
+        counter <= (others => '0');
+        moving  <= '0';
+        half    <= '0';
+        sample  <= '0';
       end if;
       if reset = '1' then
         clearing <= '1';
-        slot     <= "00";
+        stepping <= '1';
+        slot     <= slot_idle;
       end if;
     end if;
   end process;

@@ -95,7 +95,7 @@ COMPONENT_ROWS = (
         "three_phase_pwm",
         "a component: three phases with dead time and fault input, at 20 kHz",
         top="narrow_three_phase_pwm",
-        cells_most=215,
+        cells_most=200,
         mhz_least=50.0,
         memories_most=3,
         ecp5_mhz_least=100.0,
