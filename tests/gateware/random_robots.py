@@ -70,11 +70,16 @@ def renamed(body: str, place: int) -> str:
     return body
 
 
-def slack_of(element: Element) -> int:
-    """Return how much a word may differ for each clock that `rtl:` is later: 0, or a 1 in what is a time."""
+def slack_of(element: Element, way: int) -> int:
+    """Return how much a word may differ because `rtl:` is `way` clocks later, beside that it may change meanwhile.
+
+    A write begins or ends what counts. So times differ by the way, and failures by those in it.
+    """
     if _TIMES.fullmatch(element.path):
-        return 1
-    return sum(1 << field.low for field in element.type.fields if _TIMES.fullmatch(field.name))
+        return way
+    if element.path.endswith(".failures"):
+        return 2
+    return way * sum(1 << field.low for field in element.type.fields if _TIMES.fullmatch(field.name))
 
 
 class Player:
@@ -82,14 +87,12 @@ class Player:
 
     def __init__(self, spec: Spec, seed: int) -> None:
         self.draw = random.Random(seed)
-        self.names: dict[int, str] = {}
-        self.slack: dict[int, int] = {}
+        self.elements: dict[int, Element] = {}
         self.read: list[int] = []
         self.written: list[int] = []
-        for path, element in spec.walk():
+        for _, element in spec.walk():
             for address in element.addresses:
-                self.names[address] = path
-                self.slack[address] = slack_of(element)
+                self.elements[address] = element
                 if element.readable and element.pollable:
                     self.read.append(address)
                 if element.writable:
@@ -144,7 +147,7 @@ def play(file: Path, seed: int) -> tuple[list[Access], BoardConfiguration]:
 
 def differences(file: Path, done: Sequence[Access], board: BoardConfiguration) -> list[str]:
     """Play what was done on `sim:`. Return each read and each error that is not the same, in words."""
-    player = Player(load(str(file)), 0)
+    elements = Player(load(str(file)), 0).elements
     way = WAY_CLOCKS[board.engine]
     differ = []
     with connect(f"sim:{file}?timeout=60&clock_hz={board.clock_hz}", time="lockstep") as link:
@@ -155,9 +158,9 @@ def differences(file: Path, done: Sequence[Access], board: BoardConfiguration) -
             else:
                 to(link, access.time_s)
                 given = [access.on(link)]
-            slack = way * player.slack[access.address]
-            if not between(given, access.outcome, slack):
-                name = player.names[access.address]
+            element = elements[access.address]
+            if not between(given, access.outcome, slack_of(element, way)):
+                name = element.path
                 differ.append(
                     f"{name} at {access.time_s:.6f} s: {access.outcome} on rtl:, {given[0]} on sim:"
                 )
