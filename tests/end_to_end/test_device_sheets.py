@@ -83,7 +83,10 @@ class Bench:
     def put(self, device: str, what: dict[str, Any]) -> None:
         for number, bits in what.get("words", {}).items():
             self.devices[device].set_word(int(number), bits)
-        for first, octets in _octets(device, what.get("registers", {})):
+        # First those that the set-up writes: it may begin as soon as the device says who it is.
+        written = what.get("written", {})
+        registers = sorted(what.get("registers", {}).items(), key=lambda item: item[0] not in written)
+        for first, octets in _octets(device, dict(registers)):
             self.devices[device][first : first + len(octets)] = octets
 
 
