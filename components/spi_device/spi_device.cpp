@@ -35,6 +35,7 @@ class SpiDevice final : public BusSequencer {
   void begin(const BusRequest& request, Clock edge) override {
     shift_ = request.data;
     last_ = request.last;
+    output(mosi, (shift_ & 0x80u) != 0, edge);
     if (request.first) {
       output(select_n, false, edge);
       go(State::selecting, edge, pause_clocks_);
@@ -46,7 +47,6 @@ class SpiDevice final : public BusSequencer {
   void begin_byte(Clock edge) {
     half_ = 0;
     output(sclk, at_rest_ != second_edge_, edge);
-    output(mosi, (shift_ & 0x80u) != 0, edge);
     go(State::shifting, edge, half_clocks_);
   }
 

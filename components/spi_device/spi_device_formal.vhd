@@ -31,6 +31,7 @@ architecture properties of spi_device_formal is
   signal begun                : std_ulogic := '0';
   signal busy                 : std_ulogic := '0'; -- a byte is under way
   signal open_frame           : std_ulogic := '0'; -- a frame has begun, and its last byte was not asked for
+  signal last_1               : std_ulogic := '0';
   signal select_1, sclk_1, reset_1, mosi_1 : std_ulogic := '1';
   signal still                : natural range 0 to 3 := 3; -- clocks for which sclk has not changed
   signal chosen               : natural range 0 to 3 := 3; -- clocks for which select_n has not changed
@@ -60,6 +61,7 @@ begin
       select_1 <= select_n;
       sclk_1   <= sclk;
       mosi_1   <= mosi;
+      last_1   <= last;
 
       if go = '1' then
         busy       <= '1';
@@ -96,6 +98,9 @@ begin
   -- A byte is asked for when the one before is done. A frame begins with `first`, and not inside of one.
   in_turn : assume always go = '1' -> busy = '0' and first = not open_frame and reply.done = '0';
 
+  -- A request stands until it is done, as bus_sequencer_formal shows.
+  request_stands : assume always busy = '1' -> last = last_1;
+
   -- Without select_n sclk is at rest.
   no_clock_without_select : assert always begun = '1' and select_n = '1' -> sclk = at_rest;
 
@@ -108,6 +113,9 @@ begin
 
   -- A frame has whole bytes: 16 edges of sclk for each.
   whole_bytes : assert always begun = '1' and reset_1 = '0' and select_n /= select_1 -> edges = 0;
+
+  -- When a byte is done, the frame has ended if this was its last one. Otherwise it is still open.
+  ends_with_last : assert always begun = '1' and reply.done = '1' -> select_n = not open_frame;
 
   -- From select_n to the first edge it takes a pause, and so does the way to the next frame.
   pauses : assert always begun = '1' and reset_1 = '0' and (sclk /= sclk_1 or select_n /= select_1) -> chosen = 3;

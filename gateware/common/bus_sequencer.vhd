@@ -32,7 +32,6 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.bit_pkg.all;
-  use work.rate_pkg.all;
   use work.sequencer_pkg.all;
   use work.width_pkg.all;
   use work.wishbone_pkg.all;
@@ -61,7 +60,6 @@ end entity;
 
 architecture rtl of bus_sequencer is
 
-  constant tick_bits    : positive := phase_bits(clock_hz, 1_000_000);
   constant lanes        : positive := bytes_for(data_width);
   constant stamp_index  : natural  := 4;
   constant first_output : positive := stamp_index + 1 + values;
@@ -69,6 +67,7 @@ architecture rtl of bus_sequencer is
   constant all_bytes    : std_ulogic_vector(lanes - 1 downto 0) := (others => '1');
 
   subtype index_t is unsigned(4 downto 0);
+  subtype places_t is std_ulogic_vector(31 downto 0);
   subtype word_t is std_ulogic_vector(31 downto 0);
   type outputs_t is array (0 to 7) of word_t;
   type rom_t is array (255 downto 0) of program_word_t; -- GHDL inverts the address of an index that rises
@@ -81,6 +80,19 @@ architecture rtl of bus_sequencer is
     end loop;
     return rom;
   end function;
+
+  function places(first, last : natural) return places_t is
+    variable found : places_t := (others => '0');
+  begin
+    for place in first to last loop
+      found(place) := '1';
+    end loop;
+    return found;
+  end function;
+
+  -- The words that the bus may read, and those that it may write.
+  constant readable : places_t := places(0, words - 1);
+  constant writable : places_t := places(0, 0) or places(first_output, words - 1);
 
   constant rom : rom_t := rom_of(program_of(program));
 
@@ -102,7 +114,7 @@ architecture rtl of bus_sequencer is
   signal is_output  : std_ulogic;
   signal sends      : word_t := (others => '0'); -- the output whose bytes are sent
   signal taken      : word_t := (others => '0'); -- the same, for the bytes behind the first
-  signal failing    : std_ulogic; -- the rest of this try is passed over
+  signal failing    : std_ulogic := '0'; -- the rest of this try is passed over
   signal valid      : std_ulogic;
   signal set_up     : std_ulogic;
   signal reason     : failure_t := "00";
@@ -114,8 +126,7 @@ architecture rtl of bus_sequencer is
   signal fails, too_many, anew, passes, skips, steps, answered, differs, keeps, ends_value : std_ulogic;
 
   -- Times.
-  signal tick_phase : unsigned(tick_bits downto 0); -- its highest bit is a tick each us
-  signal tick       : std_ulogic;
+  signal tick       : std_ulogic := '0'; -- each us
   signal timer, next_timer : unsigned(7 downto 0) := (others => '0'); -- in us, or in 256 us
   signal expired    : std_ulogic;
   signal part       : unsigned(7 downto 0) := (others => '0'); -- of a step of the timer
@@ -140,7 +151,6 @@ begin
     severity failure;
 
   asked     <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err;
-  tick      <= tick_phase(tick_bits);
   operation <= word(13 downto 11);
 
   is_output <= word(15) and not word(14) and to_bit(outputs > 0);
@@ -205,10 +215,9 @@ begin
       ack   <= '0';
       err   <= '0';
       index := to_integer(unsigned(wishbone_m2s.adr(index_t'range)));
-      known := unsigned(wishbone_m2s.adr(31 downto index_t'length)) = 0 and index < words;
+      known := unsigned(wishbone_m2s.adr(31 downto index_t'length)) = 0 and readable(index) = '1';
       if wishbone_m2s.we = '1' then
-        known := known and (index = 0 or (outputs > 0 and index >= first_output)) and
-                 wishbone_m2s.sel(all_bytes'range) = all_bytes;
+        known := known and writable(index) = '1' and wishbone_m2s.sel(all_bytes'range) = all_bytes;
       end if;
 
       if asked = '1' then
@@ -291,11 +300,12 @@ begin
   jumps    <= commits or fails or (skips and not told(to_integer(unsigned(word(10 downto 8)))));
 
   -- pc + 1 and timer - 1. The sums have what loads the counter as an operand, which says nothing while it counts. So
-  -- counting and loading share a cell of an iCE40, whose LUT has the operands of its carry as inputs.
+  -- counting and loading share a cell of an iCE40, whose LUT has the operands of its carry as inputs. What counts ticks
+  -- adds the tick itself, so its carry has no cell of its own.
   next_pc    <= pc - unsigned'(7 downto 0 => not jumps);
   next_timer <= timer + unsigned'(7 downto 0 => not starts);
-  next_part  <= ('0' & part) + 1;
-  next_age   <= ('0' & age) + 1;
+  next_part  <= ('0' & part) + unsigned'("" & tick);
+  next_age   <= ('0' & age) + unsigned'("" & tick);
 
   run : process (clock) is
   begin
@@ -359,9 +369,7 @@ begin
         in_a_row <= in_a_row + 1;
       end if;
 
-      if fails = '1' then
-        failures <= failures + 1;
-      end if;
+      failures <= failures + unsigned'("" & fails);
 
       if commits = '1' then
         bank <= not bank;
@@ -375,34 +383,36 @@ begin
     end if;
   end process;
 
+  microseconds : entity work.ticker
+    generic map (clock_hz => clock_hz, rate_hz => 1_000_000)
+    port map (clock => clock, reset => reset, tick => tick);
+
   times : process (clock) is
   begin
     if rising_edge(clock) then
-      tick_phase <= ('0' & tick_phase(tick_bits - 1 downto 0)) + phase_increment(clock_hz, 1_000_000);
-      now        <= now + 1;
+      now <= now + 1;
 
       if starts = '1' then
         timer  <= unsigned(word(7 downto 0));
         coarse <= word(10);
-      elsif tick = '1' and expired = '0' and (coarse = '0' or next_part(8) = '1') then
+      elsif expired = '0' and (next_part(8) = '1' or (coarse = '0' and tick = '1')) then
         timer <= next_timer;
       end if;
 
       if starts = '1' then
         part <= (others => '0');
-      elsif tick = '1' then
+      else
         part <= next_part(part'range);
       end if;
 
       if reset = '1' or commits = '1' then
         age <= (others => '0');
-      elsif tick = '1' and next_age(age'length) = '0' then
+      elsif next_age(age'length) = '0' then
         age <= next_age(age'range);
       end if;
 
       if reset = '1' then
-        tick_phase <= (others => '0');
-        now        <= (others => '0');
+        now <= (others => '0');
       end if;
     end if;
   end process;

@@ -36,7 +36,7 @@ package sequencer_pkg is
   constant failure_wrong_reply : failure_t := "10";
   constant failure_refused     : failure_t := "11"; -- the device says so, and the data say why
 
-  -- A byte that is to be exchanged. `go` is high for one clock.
+  -- A byte that is to be exchanged. `go` is high for one clock. `last` and `receive` stand until `done`.
   type bus_request_t is record
     go      : std_ulogic;
     first   : std_ulogic; -- begin a frame before it

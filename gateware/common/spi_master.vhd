@@ -4,14 +4,15 @@
 --
 --   select_n  ‾‾\_________________________________/‾‾‾‾‾
 --   sclk      ______/‾\_/‾\_/‾\_/‾\_/‾\_ ... _______        mode 0
---   mosi      xxxx<7 ><6 ><5 ><4 ><3 > ...
+--   mosi      xx<  7 ><6 ><5 ><4 ><3 > ...
 --               |---|                         |---|---|     select_ns each: before, behind, and until the next frame
 --
 -- mode      The usual numbers: bit 1 is the level of sclk at rest, bit 0 says that the second edge of a bit samples.
 -- Clock     Half a period of sclk is a whole number of clocks, at least 2. So sclk is never faster than sclk_hz, nor
 --           than clock_hz / 4. miso is taken at the end of a bit, so a device may be late by almost a bit.
 -- Latency   A byte takes 16 half periods and 3 clocks, and the pauses around a frame.
--- Back-pressure  `go` comes only after the `done` of the byte before. A frame stays open until a byte with `last`.
+-- Back-pressure  `go` comes only after the `done` of the byte before, and `last` stands until then. A frame stays open
+--           until a byte with `last`.
 -- Errors    None: SPI has no answer that could be missing, so `failed` is always 0.
 -- Reset     select_n goes high at once, and sclk to rest.
 
@@ -20,6 +21,7 @@ library ieee;
   use ieee.numeric_std.all;
   use work.rate_pkg.all;
   use work.sequencer_pkg.all;
+  use work.width_pkg.all;
 
 entity spi_master is
   generic (
@@ -49,17 +51,18 @@ architecture rtl of spi_master is
   constant at_rest      : std_ulogic := mode_bits(1);
   constant second_edge  : std_ulogic := mode_bits(0);
 
-  type state_t is (idle, selecting, shifting, ending, resting);
+  -- A byte goes through places: -1 the pause before the frame, 0 to 15 half a period of sclk each, two for each bit,
+  -- 16 what is behind them, 17 the pause between frames.
+  subtype place_t is unsigned(4 downto 0);
 
-  signal state : state_t;
-  signal count : natural range 0 to maximum(half_clocks, pause_clocks) - 1; -- clocks that are left
-  signal half  : unsigned(3 downto 0);                                      -- of the byte: two for each bit
-  signal shift : byte_t := (others => '0');
-  signal last  : std_ulogic := '0';
-  signal level : std_ulogic_vector(0 downto 0);
-  signal take  : std_ulogic_vector(1 downto 0);                             -- a bit has ended, 1 and 2 clocks ago
+  signal busy              : std_ulogic; -- a byte is under way
+  signal place, next_place : place_t := (others => '0');
+  signal count, next_count : unsigned(bits_for(maximum(half_clocks, pause_clocks)) - 1 downto 0) := (others => '0');
+  signal shift             : byte_t := (others => '0');
+  signal level             : std_ulogic_vector(0 downto 0);
+  signal take              : std_ulogic_vector(1 downto 0); -- a bit has ended, 1 and 2 clocks ago
 
-  signal begins, opens, over, starts, turns, ends, selected : std_ulogic;
+  signal over, steps, is_behind, bit_ends, deselects, ends : std_ulogic;
 
 begin
 
@@ -70,74 +73,67 @@ begin
   reply.reason <= failure_no_answer;
   reply.data   <= shift;
 
-  -- What ends with this clock: each state but idle lasts until the counter is zero.
-  begins <= request.go when state = idle else '0';
-  opens  <= begins and request.first;
-  over   <= '1' when count = 0 and state /= idle else '0';
-  starts <= (begins and not request.first) or (over and selected);
-  turns  <= over when state = shifting else '0';
-  ends   <= turns and (and half);
+  mosi <= shift(7);
 
-  selected <= '1' when state = selecting else '0';
+  -- What ends with this clock: each place lasts until the counter is zero.
+  over      <= busy and nor count;
+  steps     <= over or request.go;
+  bit_ends  <= over and place(0) and not place(4);
+  is_behind <= place(4) and not place(3); -- not in the pause before the frame
+  deselects <= over and is_behind and not place(0) and request.last;
+  ends      <= is_behind and ((over and place(0)) or (take(1) and not request.last));
+
+  -- A sum has an operand that says nothing while its counter is loaded. So counting and loading share a cell of an
+  -- iCE40, whose LUT has the operands of its carry as inputs.
+  next_place <= (others => request.first) when request.go = '1' else
+                place - unsigned'(4 downto 0 => not request.go);
+  next_count <= count + unsigned'(count'range => not steps);
 
   process (clock) is
   begin
     if rising_edge(clock) then
-      reply.done <= '0';
-      take       <= take(0) & (turns and half(0));
+      reply.done <= ends;
+      take       <= take(0) & bit_ends;
 
-      if begins = '1' then
+      -- The reply to a bit comes two clocks after its end.
+      if request.go = '1' then
         shift <= request.data;
-        last  <= request.last;
-      elsif take(1) = '1' then
-        shift <= shift(6 downto 0) & level;
+      elsif bit_ends = '1' then
+        shift(7 downto 1) <= shift(6 downto 0);
+      end if;
+      if take(1) = '1' then
+        shift(0) <= level(0);
       end if;
 
-      if opens = '1' or (last = '1' and (ends = '1' or state = ending)) then
-        count <= pause_clocks - 1;
-      elsif ends = '1' then
-        count <= 1;
-      elsif starts = '1' or turns = '1' then
-        count <= half_clocks - 1;
-      end if;
-      if over = '0' and state /= idle then
-        count <= count - 1;
-      end if;
-
-      if starts = '1' then
-        half <= (others => '0');
-        sclk <= at_rest xor second_edge;
-        mosi <= shift(7) when selected = '1' else request.data(7);
-      elsif turns = '1' then
-        half <= half + 1;
-        sclk <= (at_rest xor second_edge xor not half(0)) when ends = '0' else at_rest;
-        if half(0) = '1' then
-          mosi <= shift(6); -- the reply to this bit is shifted in two clocks later
+      count <= next_count;
+      if steps = '1' then
+        place <= next_place;
+        if next_place(4) = '1' then
+          count <= to_unsigned(pause_clocks - 1, count'length);
+        else
+          count <= to_unsigned(half_clocks - 1, count'length);
         end if;
+        sclk <= at_rest xor (not next_place(4) and (second_edge xor next_place(0)));
       end if;
 
-      if opens = '1' then
-        select_n <= '0';
-        state    <= selecting;
-      elsif starts = '1' then
-        state <= shifting;
+      if request.go = '1' then
+        busy <= '1';
       elsif ends = '1' then
-        state <= ending;
-      elsif over = '1' and state = ending and last = '1' then
+        busy <= '0';
+      end if;
+
+      if request.go = '1' and request.first = '1' then
+        select_n <= '0';
+      elsif deselects = '1' then
         select_n <= '1';
-        state    <= resting;
-      elsif over = '1' and turns = '0' then
-        reply.done <= '1';
-        state      <= idle;
       end if;
 
       if reset = '1' then
         reply.done <= '0';
-        state      <= idle;
+        busy       <= '0';
         take       <= "00";
         select_n   <= '1';
         sclk       <= at_rest;
-        mosi       <= '0';
       end if;
     end if;
   end process;

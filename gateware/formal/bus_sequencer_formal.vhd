@@ -65,7 +65,6 @@ architecture properties of bus_sequencer_formal is
   signal age_1           : unsigned(19 downto 0) := (others => '0');
   signal failures_1      : unsigned(15 downto 0) := (others => '0');
   signal word_1          : program_word_t := (others => '0');
-  signal exchanges_1     : std_ulogic := '0';
   signal in_place        : std_ulogic;                                   -- the design is where these are
 
 begin
@@ -105,7 +104,6 @@ begin
       age_1        <= age;
       failures_1   <= failures;
       word_1       <= word;
-      exchanges_1  <= to_bit(state = exchanging);
 
       if state = exchanging and done = '1' and (fails = '1' or (word(15 downto 14) = "01" and data /= word(7 downto 0)))
       then
@@ -192,8 +190,8 @@ begin
   -- Behind a byte that failed, the rest of the try is passed over: nothing more is asked of the device.
   passes_over : assert always begun = '1' and request.go = '1' -> bad = '0';
 
-  -- What is asked of the bus stands until its answer.
-  request_stands : assert always begun = '1' and state = exchanging and exchanges_1 = '1' -> word = word_1;
+  -- What is asked of the bus stands from its request to its answer.
+  request_stands : assert always begun = '1' and state = exchanging -> word = word_1;
 
   -- A third failure has ended the validity.
   too_many_seen : cover {begun = '1' and valid = '0' and valid_1 = '1' and failed_tries = failures_most};

@@ -189,8 +189,8 @@ FAULTS = [
         "reason <= failure_wrong_reply;",
         "reason <= failure_no_answer;",
     ),
-    ("spi_device", 0, "(coarse = '0' or next_part(8) = '1')", "(coarse = '0' or part = 254)"),
+    ("spi_device", 0, "(next_part(8) = '1' or (", "((part = 254 and tick = '1') or ("),
     ("spi_device", 0, "pc - unsigned'(7 downto 0 => not jumps)", "pc - unsigned'(7 downto 0 => jumps)"),
     ("spi_device", 1, "maximum(2, (clock_hz", "maximum(3, (clock_hz"),
-    ("spi_device", 2, "take(0) & (turns and half(0));", "take(0) & (turns and not half(0));"),
+    ("spi_device", 2, "take(0) & bit_ends;", "take(0) & (over and not place(0));"),
 ]

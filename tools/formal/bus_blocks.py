@@ -187,7 +187,7 @@ BUS_BLOCKS = (
                 *("in_a_row", "age", "failures"),
             )
         },
-        loose=("dut.fetched", "dut.tick_phase", "dut.timer"),
+        loose=("dut.fetched", "dut.tick", "dut.timer"),
         not_proven="what the values are, outputs, and the times of a program: the benches have them; that a "
         "bus answers each byte: see `i2c_device` and `modbus_master_line`",
         mutants=(

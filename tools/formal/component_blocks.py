@@ -169,15 +169,12 @@ COMPONENT_BLOCKS = (
         reach=60,
         not_proven="other modes and rates, and the bytes themselves: the benches try them; the program",
         mutants=(
-            Mutant("spi_master.vhd", "count <= half_clocks - 1;", "count <= half_clocks - 2;"),
-            Mutant(
-                "spi_master.vhd",
-                "ends   <= turns and (and half);",
-                "ends   <= turns and (and half(2 downto 0));",
-            ),
-            Mutant("spi_master.vhd", "if opens = '1' or (last = '1'", "if (last = '1'"),
-            Mutant("spi_master.vhd", "not half(0)) when ends = '0' else at_rest;", "not half(0));"),
-            Mutant("spi_master.vhd", "if half(0) = '1' then", "if half(0) = '0' then"),
+            Mutant("spi_master.vhd", "to_unsigned(half_clocks - 1,", "to_unsigned(half_clocks - 2,"),
+            Mutant("spi_master.vhd", "to_unsigned(pause_clocks - 1,", "to_unsigned(half_clocks - 1,"),
+            Mutant("spi_master.vhd", "over and is_behind and not place(0) and", "over and not place(0) and"),
+            Mutant("spi_master.vhd", "(not next_place(4) and (second_edge", "((second_edge"),
+            Mutant("spi_master.vhd", "over and place(0) and not place(4);", "over and not place(0);"),
+            Mutant("spi_master.vhd", "take(1) and not request.last", "take(1)"),
         ),
     ),
     Block(
@@ -298,10 +295,31 @@ COMPONENT_BLOCKS = (
     Block(
         "quadrature_encoder_counts",
         "`components/quadrature_encoder`, the words of one encoder, of 8 bits, with its index",
-        depth=12,
-        deep=52,
-        not_proven="stamps and several channels; the clocks after the search, so at most one reset after the "
-        "first round; how long a write waits; a master that gives an access up",
+        depth=0,
+        deep=10,
+        induction=3,
+        by_abc=True,
+        reach=52,
+        seen={
+            "clocks": "dut.count",
+            "begins": "dut.starting",
+            "shut": "dut.closed",
+            "old": "dut.whole",
+            "for_bus": "dut.shown",
+            "is_due": "dut.due",
+            "indexes": "dut.has_index",
+            "fails": "dut.has_failed",
+            "a_was": "dut.a_before",
+            "b_was": "dut.b_before",
+            "index_was": "dut.index_before",
+            "puts": "dut.put",
+            "thaws": "dut.thawed",
+            "acks": "dut.ack",
+            "errs": "dut.err",
+            **{name: f"dut.{name}" for name in ("bank", "now", "sum", "steps", "index_steps", "reads")},
+        },
+        not_proven="stamps and several channels; longer words; how long a write waits; a master that gives "
+        "an access up",
         mutants=(
             Mutant(
                 "quadrature_encoder_counts.vhd", "total                := by;", "total := (others => '0');"

@@ -14,7 +14,7 @@ from model import Model
 from unitylink.errors import ToolError
 
 # Not a field of `Block`, because all fields are in the digests of all blocks.
-MERGED = ("pulse_counter_words",)
+MERGED = ("pulse_counter_words", "quadrature_encoder_counts")
 
 _CONFLICTS_MOST = 100_000  # for one register
 

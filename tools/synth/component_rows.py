@@ -86,7 +86,7 @@ COMPONENT_ROWS = (
         "spi_device",
         "a component: sets a device on SPI up and reads it, by a table",
         top="spi_device",
-        cells_most=390,
+        cells_most=350,
         mhz_least=50.0,
         memories_most=5,
         ecp5_mhz_least=100.0,

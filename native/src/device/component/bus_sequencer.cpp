@@ -24,7 +24,7 @@ BusSequencer::BusSequencer(const ComponentConfiguration& from)
       outputs_(static_cast<std::uint32_t>(from.generic("outputs", 0))),
       failures_most_(static_cast<std::uint32_t>(from.generic("failures_most", 3))),
       data_mask_(from.data_mask()),
-      tick_(static_cast<std::uint64_t>(from.generic("clock_hz", 50'000'000)), 1'000'000) {
+      tick_(from) {
   const std::string text = from.text("program");
   for (std::size_t number = 0; number < std::min(program_.size(), text.size() / 4); ++number) {
     const char* digits = text.data() + 4 * number;

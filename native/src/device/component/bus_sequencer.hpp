@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "device/component/component.hpp"
-#include "device/component/tick.hpp"
+#include "device/component/ticker.hpp"
 
 namespace unitylink::device {
 
@@ -62,7 +62,7 @@ class BusSequencer : public Component {
   std::uint32_t outputs_;
   std::uint32_t failures_most_;
   std::uint32_t data_mask_;
-  Tick tick_;  // of a microsecond
+  Ticker tick_;  // of a microsecond
 
   State state_ = State::fetching;
   Clock due_ = 1;  // of the sequencer itself
