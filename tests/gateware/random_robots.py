@@ -71,7 +71,7 @@ def renamed(body: str, place: int) -> str:
 
 
 def slack_of(element: Element, way: int) -> int:
-    """Return how much a word may differ because `rtl:` is `way` clocks later, beside that it may change meanwhile.
+    """Return how much a word may differ because `rtl:` is `way` clocks later, beside what changes meanwhile.
 
     A write begins or ends what counts. So times differ by the way, and failures by those in it.
     """
@@ -160,9 +160,8 @@ def differences(file: Path, done: Sequence[Access], board: BoardConfiguration) -
                 given = [access.on(link)]
             element = elements[access.address]
             if not between(given, access.outcome, slack_of(element, way)):
-                name = element.path
                 differ.append(
-                    f"{name} at {access.time_s:.6f} s: {access.outcome} on rtl:, {given[0]} on sim:"
+                    f"{element.path} at {access.time_s:.6f} s: {access.outcome} on rtl:, {given[0]} on sim:"
                 )
     return differ
 
