@@ -75,11 +75,14 @@ def slack_of(element: Element, way: int) -> int:
 
     A write begins or ends what counts. So times differ by the way, and failures by those in it.
     """
-    if _TIMES.fullmatch(element.path):
-        return way
-    if element.path.endswith(".failures"):
-        return 2
-    return way * sum(1 << field.low for field in element.type.fields if _TIMES.fullmatch(field.name))
+    names = [(element.path, 0), *((field.name, field.low) for field in element.type.fields)]
+    slack = 0
+    for name, low in names:
+        if _TIMES.fullmatch(name):
+            slack += way << low
+        elif name.endswith("failures"):
+            slack += 2 << low
+    return slack
 
 
 class Player:
