@@ -16,7 +16,7 @@ public mover() { motor: stepper(); }
 @component("stepper") @source("stepper.vhd") @pin("step", "out")
 stepper(): @base[2] { @target = base: signed READWRITE(); @position = base+1: signed READ(); }
 """
-VHDL = "entity stepper is generic (data_width : positive := 32); end;"
+VHDL = "entity stepper is generic (data_width : positive := 32); port (step : out std_ulogic); end;"
 PLANT = """
 from unitylink.simulate import BoardValues
 

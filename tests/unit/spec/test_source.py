@@ -27,7 +27,7 @@ def diagnostics(folder: Path, source: str) -> list[Diagnostic]:
 def folder(tmp_path: Path) -> Path:
     inside = tmp_path / "inside"
     (inside / "parts").mkdir(parents=True)
-    (inside / "mover.vhd").write_text("entity mover is end;", encoding="utf-8")
+    (inside / "mover.vhd").write_text("entity mover is port (step : out bit); end;", encoding="utf-8")
     (inside / "parts" / "ramp pkg.vhd").write_text("package ramp is end;", encoding="utf-8")
     (tmp_path / "secret.vhd").write_text("secret", encoding="utf-8")
     (inside / "link.vhd").symlink_to(tmp_path / "secret.vhd")
@@ -84,3 +84,37 @@ def test_other_names_are_refused_at_their_place(folder: Path, source: str, code:
     assert one.code == code
     assert one.hint
     assert one.span.line == 3
+
+
+@pytest.mark.parametrize(
+    ("note", "name"),
+    [
+        ('@pin("stop", "out")', "stop"),
+        ('@pin("then", "out")', "then"),
+        ('@event("done")', "done"),
+        ("@generic(widht=3)", "widht"),
+        ('@wire("step_wire", "out", "target")', "step_wire"),
+        ('@event("STEP")', None),
+        ("@generic(width=3)", None),
+    ],
+)
+def test_a_name_that_the_vhdl_lacks_is_refused_at_its_place(
+    folder: Path, note: str, name: str | None
+) -> None:
+    text = """
+    -- stop done
+    package p is constant widht : string := "stop end"; end;
+    entity Mover is
+      generic (width : positive := 3; data_width : positive := 32; what : string := "end"); -- then
+      port (step : out bit);
+    end entity;
+    architecture rtl of mover is signal done, step_wire : bit; begin end;
+    """
+    (folder / "mover.vhd").write_text(text, encoding="utf-8")
+    found = diagnostics(folder, f'"mover.vhd") {note} @source("parts/ramp pkg.vhd"')
+    if name is None:
+        assert found == []
+    else:
+        (one,) = found
+        assert (one.code, one.span.line) == ("UL098", 3)
+        assert one.message == f"entity `mover` has no port or generic `{name}`"

@@ -70,7 +70,12 @@ def is_clock(argument: Argument) -> bool:
 
 
 def _difference(value: Value | None, limit: Value | None) -> Fraction | None:
-    """Return value - limit. Return None if one is no number, or if they do not measure the same."""
+    """Return value - limit. Return None if one is no number, or if they do not measure the same.
+
+    A limit of 0 is one of all quantities.
+    """
+    if isinstance(value, Quantity) and limit == 0:
+        return Fraction(value.value)
     if isinstance(value, Quantity) and isinstance(limit, Quantity):
         return value.value - limit.value if value.dimension == limit.dimension else None
     if isinstance(value, (int, Fraction)) and isinstance(limit, (int, Fraction)):

@@ -19,6 +19,7 @@ _OVERFLOWS = ("error", "saturate")
 _FLOAT_MAX = {32: Fraction(2) ** 128 - Fraction(2) ** 104, 64: Fraction(2) ** 1024 - Fraction(2) ** 971}
 _OF_NUMBERS = ("UNIT", "SCALE", "OFFSET", "MIN", "MAX")
 _OF_WRITES = ("OVERFLOW", "INITIAL", "SAFE")
+_WITH_FRACTIONS = ("float", "fixed", "ufixed")
 
 
 @dataclass
@@ -236,6 +237,11 @@ def check_limits(facts: Facts, kind: ValueType, reporter: Reporter) -> bool:
         number = facts.numbers.get(key)
         if number is None or not good:
             continue
+        whole = kind.kind not in _WITH_FRACTIONS and facts.factor == 1 and facts.shift == 0
+        if whole and number != int(number):
+            message = f"{key} is {_shown(number)}, but `{kind.text}` has whole numbers only"
+            reporter.report("UL090", *_place(facts, key), message, "round it, or choose a SCALE")
+            good = False
         for limit, wrong in (
             ("MIN", minimum is not None and number < minimum),
             ("MAX", maximum is not None and number > maximum),

@@ -22,6 +22,7 @@ from ..text.syntax import AnnotationNode, Argument, Notes
 from .evaluate import Evaluator, Value
 from .generic_limits import check_limit, check_ranges, is_limit
 from .sequence import KINDS, generics_of
+from .vhdl_names import check_names
 from .vhdl_source import find_source
 
 RESERVED = ("component", "generic", "pin", "event", "source", "limit", "when", "wire", *KINDS)
@@ -77,6 +78,7 @@ def component(
     entity = ""
     generics: list[tuple[str, int | str]] = []
     given: list[tuple[Argument, str, int]] = []
+    told: list[tuple[AnnotationNode, str]] = []  # names of the VHDL
     pins: list[tuple[str, str, int]] = []
     events: list[str] = []
     sources: list[str] = []
@@ -96,6 +98,10 @@ def component(
         ]
         keys = [a.key.text for a in node.arguments if a.key is not None]
         named = () if kind == "source" else texts[:1]
+        if kind in ("pin", "event", "wire"):
+            told += [(node, name) for name in named]
+        elif kind == "generic":
+            told += [(node, name) for name in keys]
         wrong = next((name for name in (*named, *keys) if not _NAME.fullmatch(name)), None)
         if wrong is not None:
             message = f"{wrong!r} is no name of VHDL"
@@ -151,6 +157,7 @@ def component(
         generics += generics_of(steps, evaluator, names, entity)
     if not entity:
         return None
+    check_names(entity, sources, told, evaluator.reporter)
     check_ranges(entity, sources, given, evaluator)
     ports = tuple(pins), tuple(events)
     ends = tuple(wires), tuple(connections)
