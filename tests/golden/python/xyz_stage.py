@@ -200,8 +200,9 @@ class XyzStage(Node, closed=True):
 
     motor: Stepgen
     """Step and direction for the stepper motors of several axes, with ramps. `scale` is
-    what one step is: positions, speeds and accelerations have its unit. `rate`
-    publishes position and velocity.
+    what one step is: positions, speeds and accelerations have its unit. With
+    `reversed=1` they grow where `direction` is low. `rate` publishes position and
+    velocity.
 
     `motor`.
     """

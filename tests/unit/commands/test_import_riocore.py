@@ -98,6 +98,7 @@ def test_the_mill() -> None:
         items["motors.target[1]"].scale == pytest.approx(1 / 640) and items["motors.target[1]"].unit == "mm"
     )
     assert items["column.target[0]"].scale == pytest.approx(-1 / 1600), "its direction is inverted"
+    assert items["column.speed[0]"].scale > 0, "a limit of the speed has no direction"
     # `onerror` gives 0 at the pin. Our board inverts that pin, so the word is 1, which is off.
     assert items["coolant"].safe == 1 and items["coolant"].type.name == "inverted"
     # its enable is on at 1, and inverted twice: by `invert`, and `onerror` with `invert` then gives 1
@@ -114,6 +115,30 @@ def test_the_mill() -> None:
         "plugins[3].joint.max_velocity: 3200000 count/s is more than the 1048575" in one for one in made.notes
     )
     assert any("plugins[6].pins.bit.modifier[0]: debounce" in one for one in made.notes)
+
+
+@pytest.mark.parametrize(("scale", "inverted"), [(320, False), (320, True), (-320, False), (-320, True)])
+def test_the_switches_of_a_reversed_axis_stop_it_where_they_are(
+    tmp_path: Path, scale: int, inverted: bool
+) -> None:
+    """stepgen knows no mm: its `limit_low` is the switch towards which `direction` is low."""
+    turn = {"modifier": [{"type": "invert"}]} if inverted else {}
+    slide = {"type": "stepdir", "name": "slide", "axis": "X", "is_joint": True, "joint": {"scale": scale}}
+    slide["pins"] = {"step": {"pin": "PMOD1A:P1"}, "dir": {"pin": "PMOD1A:P2", **turn}}
+    low, high = (
+        {"type": "bitin", "name": f"{name}_end", "pins": {"bit": {"pin": pin}}}
+        | {"signals": {"bit": {"net": f"joint.0.{name}-lim-sw-in"}}}
+        for name, pin in (("neg", "PMOD1B:P1"), ("pos", "PMOD1B:P2"))
+    )
+    file = tmp_path / "slide.json"
+    file.write_text(json.dumps({"boardcfg": "ICEBreakerV1.0e", "plugins": [slide, low, high]}))
+    made = import_riocore(str(file))
+    items = dict(spec_of(made.text).walk())
+    turned = items["slide.target[0]"].scale < 0
+    assert turned == ((scale < 0) != inverted)
+    assert items["slide.speed[0]"].scale > 0 and items["slide.acceleration[0]"].scale > 0
+    assert f"--pin slide_limit_low={'P1B2' if turned else 'P1B1'} " in made.build
+    assert f"--pin slide_limit_high={'P1B1' if turned else 'P1B2'} " in made.build
 
 
 def test_the_cart() -> None:

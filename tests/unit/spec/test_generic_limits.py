@@ -91,6 +91,13 @@ def test_limits_are_those_of_the_own_vhdl(tmp_path: Path) -> None:
             "at most 1900 us, which is `maximum`",
         ),
         ("rc_servo(minimum=3 ms)", "`minimum` is 3 ms", "at most 2500 us, which is `maximum`"),
+        ("stepgen(scale=-1/80 mm)", "`scale` is -0.0125 mm", "at least 0"),
+        ("stepgen(reversed=2)", "`reversed` is 2", "at most 1"),
+        ("sigma_delta_adc(full_scale=-32 A)", "`full_scale` is -32 A", "at least 0"),
+        ("dshot(pole_pairs=-7)", "`pole_pairs` is -7", "at least 1"),
+        ("icm42688(sclk_hz=25000000)", "`sclk_hz` is 25,000,000", "at most 24,000,000"),
+        ("max31855(sclk_hz=10000000)", "`sclk_hz` is 10,000,000", "at most 5,000,000"),
+        ("as5047p(sclk_hz=20000000)", "`sclk_hz` is 20,000,000", "at most 10,000,000"),
     ],
 )
 def test_a_parameter_beyond_another_one_is_named(line: str, value: str, limit: str) -> None:

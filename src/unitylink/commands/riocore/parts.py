@@ -12,7 +12,7 @@ from .left_out import KINDS, NO_COMPONENT, left_out
 from .plugins import Plugin, PluginPin
 
 AXES_MOST = 8  # of one stepgen
-AXIS_HZ = 5_600_000  # of the clock, which stepgen needs for each axis
+AXIS_HZ = 5_898_240  # of the clock, which stepgen needs for each axis
 CHANNELS_MOST = 64  # of one pwm
 CHANGES_MOST = 60  # words in the frame of a publish on change
 SPEED_MOST, ACCELERATION_MOST = 1_048_575, 67_108_800  # of stepgen, in count/s and count/s^2
@@ -82,7 +82,7 @@ class Parts:
             for axes in _chunks(same, self.axes_most):
                 name = self._name(axes[0].name if len(axes) == 1 else "motors")
                 comments = [f"axis {i} is {one.name}{self._limits(one)}" for i, one in enumerate(axes)]
-                line = f"stepgen(axes={len(axes)}{scale and f', scale={scale}'}, {RATE})"
+                line = f"stepgen(axes={len(axes)}{scale}, {RATE})"
                 pins = {"step": [self._plain(one, "step") for one in axes]}
                 pins["direction"] = [one.pins.get("dir") for one in axes]
                 for port in _SWITCHES.values():
@@ -92,21 +92,26 @@ class Parts:
                     self._output(one, "en", f"{one.name}_enable")
 
     def _scale(self, one: Plugin) -> str:
-        """Return the length of a step. A direction that is inverted changes its sign."""
+        """Return the length of a step, and whether the axis is reversed, as parameters of stepgen."""
         joint = one.node.get("joint")
         scale = joint.number("scale") if joint is not None else None
-        turned = "dir" in one.pins and one.pins["dir"].inverted
+        turned = ", reversed=1" if self._is_reversed(one) else ""
         if scale is None:
-            return "-1 count" if turned else ""
+            return turned
         if joint is not None and not 1e-6 <= abs(scale) <= 1e9:
             where = joint.get("scale")
             assert where is not None
             raise where.wrong("steps per unit, 1e-6 to 1e9, are expected")
-        sign = "-" if (scale < 0) != turned else ""
         angle = one.node.text("axis").upper() in ("A", "B", "C")
         length = "1 deg" if angle else "25.4 mm" if self.inches else "1 mm"
         number, unit = length.split()
-        return f"{sign}{number}/{_number(abs(scale))} {unit}"
+        return f", scale={number}/{_number(abs(scale))} {unit}{turned}"
+
+    def _is_reversed(self, one: Plugin) -> bool:
+        """Tell whether its position grows where `direction` of stepgen is low."""
+        joint = one.node.get("joint")
+        scale = joint.number("scale") if joint is not None else None
+        return ("dir" in one.pins and one.pins["dir"].inverted) != (scale is not None and scale < 0)
 
     def _limits(self, one: Plugin) -> str:
         joint = one.node.get("joint")
@@ -141,9 +146,14 @@ class Parts:
                     continue
                 if in_file[joint] is not by_axis[joint]:
                     self.notes.append(f"{place}: joint {joint} is not certain, so it is a word of its own")
-                elif one.pins.get("bit") and one.pins["bit"].inverted:
+                    continue
+                if one.pins.get("bit") and one.pins["bit"].inverted:
                     self.notes.append(f"{place}: inverted, so it is a word and no input of stepgen")
-                elif one in found.values() or (joint, port) in found:
+                    continue
+                if port != "home" and self._is_reversed(in_file[joint]):
+                    # limit_low of stepgen is where `direction` is low
+                    port = "limit_high" if port == "limit_low" else "limit_low"
+                if one in found.values() or (joint, port) in found:
                     self.notes.append(f"{place}: {token[0]}: one switch is one input; it has another already")
                 else:
                     found[joint, port] = one
