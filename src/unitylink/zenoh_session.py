@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import LinkNotFound, UrlError
 from unitylink.optional import absent
+from unitylink.zenoh_sockets import close_without_waiting
 
 if TYPE_CHECKING:
     import zenoh
@@ -19,6 +20,8 @@ def open_session(
     file: str, settings: Mapping[str, Any], *, use: str, source: str, unreachable: str
 ) -> zenoh.Session:
     """Open a session with the configuration in `file`, or the default, and `settings` above it.
+
+    A peer that is cut off holds up no other: its sockets are closed without waiting.
 
     `use` says for what the package is needed, `source` where the configuration comes from, and `unreachable`
     what it means if no session opens. Raises ToolError, UrlError or LinkNotFound.
@@ -36,9 +39,11 @@ def open_session(
     except zenoh.ZError as error:
         raise UrlError(f"Zenoh does not take {what}: {_first(error)}") from None
     try:
-        return zenoh.open(configuration)
+        session = zenoh.open(configuration)
     except zenoh.ZError as error:
         raise LinkNotFound(f"{unreachable}: {_first(error)}") from None
+    close_without_waiting(session)
+    return session
 
 
 def _first(error: Exception) -> str:

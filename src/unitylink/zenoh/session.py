@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import LinkNotFound
 from unitylink.zenoh_session import open_session
 
-from .sockets import close_without_waiting
-
 if TYPE_CHECKING:
     import zenoh
 
@@ -49,15 +47,13 @@ class Network:
             unreachable = f"no Zenoh router answers at {where}: is it running, or `unitylink bridge zenoh`?"
 
         def opened(settings: dict[str, Any]) -> zenoh.Session:
-            session = open_session(
+            return open_session(
                 self.config,
                 settings,
                 use="a Zenoh network",
                 source=self.config or self.listen or self.connect,
                 unreachable=unreachable,
             )
-            close_without_waiting(session)
-            return session
 
         try:
             return opened(self._settings(_ROUTER_OPEN_MS if self.listen else _OPEN_MS))

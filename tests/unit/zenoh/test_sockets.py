@@ -10,8 +10,9 @@ from contextlib import ExitStack
 import pytest
 from unit.zenoh.rig import free_port, until
 
+from unitylink.ros.zenoh_session import RosSession
 from unitylink.zenoh.session import Network
-from unitylink.zenoh.sockets import relax, sockets_between
+from unitylink.zenoh_sockets import relax, sockets_between
 
 
 def lingers(one: socket.socket) -> bool:
@@ -46,14 +47,19 @@ def test_other_places_have_no_such_socket(place: str) -> None:
 
 def test_each_session_is_so() -> None:
     """Zenoh opens the sockets. That they would wait is a fact of its version, and not asked here."""
-    place = f"tcp/127.0.0.1:{free_port()}"
-    with Network(listen=place).opened() as router, Network(connect=place).opened() as session:
-        for link in (until(router.info.links)[0], session.info.links()[0]):
-            with ExitStack() as stack:
-                some = [stack.enter_context(one) for one in sockets_between(link.src, link.dst)]
-                until(lambda some=some: some and not any(map(lingers, some)))
+    port = free_port()
+    ros = RosSession({"ZENOH_CONFIG_OVERRIDE": f'connect/endpoints=["tcp/localhost:{port}"]'})
+    place = f"tcp/127.0.0.1:{port}"
+    with Network(listen=place).opened() as router:
+        for network in (Network(connect=place), ros):
+            with network.opened() as session:
+                for link in (until(router.info.links)[0], until(session.info.links)[0]):
+                    with ExitStack() as stack:
+                        some = [stack.enter_context(one) for one in sockets_between(link.src, link.dst)]
+                        until(lambda some=some: some and not any(map(lingers, some)))
+            until(lambda: not router.info.links())
 
 
 def test_a_system_without_the_folder_of_descriptors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("unitylink.zenoh.sockets._DESCRIPTORS", "/dev/none")
+    monkeypatch.setattr("unitylink.zenoh_sockets._DESCRIPTORS", "/dev/none")
     assert relax("tcp/127.0.0.1:1", "tcp/127.0.0.1:2") == 0
