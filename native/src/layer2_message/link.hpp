@@ -202,8 +202,8 @@ class Link {
   [[nodiscard]] std::uint64_t lost(std::uint32_t id);     // overwritten before they were drained
   [[nodiscard]] std::uint64_t missing(std::uint32_t id);  // lost on the line; classic: always 0, it cannot know
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
-  // Waits for a publish. True: there is something to drain. False: `timeout_ns` is over, or the link or the
-  // subscription has ended.
+  void drain(std::uint32_t id, Drained& to);  // all that waits; the memory of `to` is used again
+  // True: there is something to drain. False: `timeout_ns` is over, or the link or the subscription has ended.
   [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
   // Waits for any news. The result counts all publishes, ended subscriptions and events so far. Returns when this count
   // differs from `seen`, after `timeout_ns`, or when the link was closed.

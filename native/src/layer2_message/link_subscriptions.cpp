@@ -373,6 +373,23 @@ std::size_t Link::drain(std::uint32_t id, std::span<double> times_s, std::span<s
   return ring.drain(times_s.first(std::min(times_s.size(), values.size() / ring.words())), values);
 }
 
+void Link::drain(std::uint32_t id, Drained& to) {
+  const std::scoped_lock lock(mutex_);
+  Subscription* const subscription = find(id);
+  if (subscription == nullptr) {
+    to.count = 0;
+    return;
+  }
+  PublishRing& ring = subscription->ring;
+  if (to.times_s.size() < ring.size() || to.values.size() < ring.size() * ring.words()) {
+    to.times_s.resize(ring.size());
+    to.values.resize(ring.size() * ring.words());
+  }
+  to.words = ring.words();
+  to.before = ring.missing() + ring.lost();
+  to.count = ring.drain(to.times_s, to.values);
+}
+
 void Link::notify_publishes(int descriptor) {
   const std::scoped_lock lock(mutex_);
   notified_.push_back(descriptor);

@@ -11,6 +11,15 @@
 
 namespace unitylink {
 
+// Publishes that were drained: the first `count` of the times, and `words` values for each.
+struct Drained {
+  std::size_t count = 0;
+  std::size_t words = 0;
+  std::uint64_t before = 0;  // publishes of the subscription that were lost, in the ring or on the line, so far
+  std::vector<double> times_s;
+  std::vector<std::uint32_t> values;
+};
+
 // Not thread-safe: the link's mutex guards it. It allocates all its memory at construction.
 class PublishRing {
  public:

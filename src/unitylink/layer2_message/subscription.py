@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Publish = tuple[float, tuple[int, ...]]
 PublishCallback = Callable[[float, tuple[int, ...]], None]
 ArraysCallback = Callable[[Times, Words], bool]
+Taker = Callable[["NativeLink", int], object]
 
 _log = logging.getLogger("unitylink.link")
 
@@ -70,6 +71,7 @@ class Subscription:
         self.gather_s = 0.0
         self.told = 0  # number of calls begun
         self._arrays: ArraysCallback | None = None
+        self._taker: Taker | None = None
         self._first: Publish | None = None
 
     @property
@@ -133,8 +135,20 @@ class Subscription:
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
-        self._callback, self._arrays, self._first = callback, arrays, first
+        self._callback, self._arrays, self._first, self._taker = callback, arrays, first, None
         self.gather_s = gather_s
+        self._callbacks.add(self)
+
+    def hand_over(self, take: Taker, *, gather_s: float = 0.0) -> None:
+        """Let `take(native, identity)` drain the publishes itself, in the link's callback thread.
+
+        It is called when some may have come. This is for a program that needs none of them in Python. All
+        else is as with `on_publish`, whose place it takes.
+        """
+        if not self._open:
+            raise LinkClosed("the subscription is closed")
+        self._callback = self._arrays = self._first = None
+        self._taker, self.gather_s = take, gather_s
         self._callbacks.add(self)
 
     async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:
@@ -214,12 +228,19 @@ class Subscription:
 
     def hush(self) -> None:
         """Call the callback no more. The publishes that have come can then be drained."""
-        self._callback = self._arrays = None
+        self._callback = self._arrays = self._taker = None
         with self._taking:
             self._kept += self._rows
 
     def deliver(self) -> None:
         """Fetch the publishes and call back for each. An exception in one call does not stop the rest."""
+        if (taker := self._taker) is not None:
+            self.told += 1
+            try:
+                taker(self._native, self._identity)
+            except BaseException:
+                self._report(taker)
+            return
         callback, first = self._callback, self._first
         if callback is not None and first is not None:
             self._first = None

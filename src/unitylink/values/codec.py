@@ -65,10 +65,10 @@ class Codec:
         self._classes = classes or {}
         self._commanded = commanded
         self._saturates = quantity.overflow == "saturate"
-        self._factor = quantity.scale / (1 << kind.fraction)
+        self.factor = quantity.scale / (1 << kind.fraction)
         if kind.kind == "float" and self.width not in _FLOATS:
             raise ValueRangeError(f"{name}: a float has 16, 32 or 64 bits, not {self.width}")
-        if not math.isfinite(self._factor) or self._factor == 0.0 or not math.isfinite(quantity.offset):
+        if not math.isfinite(self.factor) or self.factor == 0.0 or not math.isfinite(quantity.offset):
             raise ValueRangeError(
                 f"{name}: scale {quantity.scale} and offset {quantity.offset} give no value back"
             )
@@ -156,7 +156,7 @@ class Codec:
             return pick(-self._float_max(), self._float_max())
         if self.integer_sign is not None or kind in ("enum", "bits"):
             return end
-        return pick(self._real(end), self._real(other)) if self._factor < 0 else self._real(end)
+        return pick(self._real(end), self._real(other)) if self.factor < 0 else self._real(end)
 
     # Whole numbers, scaled or not
 
@@ -166,7 +166,7 @@ class Codec:
         ends = []
         for declared in (self.quantity.minimum, self.quantity.maximum):
             ends.append(None if declared is None else self._nearest(declared))
-        if self._factor < 0:
+        if self.factor < 0:
             ends.reverse()
         self.low = limits[0] if ends[0] is None else max(limits[0], ends[0])
         self.high = limits[1] if ends[1] is None else min(limits[1], ends[1])
@@ -176,11 +176,11 @@ class Codec:
             self._decode = self._decode_scaled if self.ratio is None else self._decode_ratio
 
     def _nearest(self, value: float) -> int:
-        return round((value - self.quantity.offset) / self._factor) if self.quantity.scaled else round(value)
+        return round((value - self.quantity.offset) / self.factor) if self.quantity.scaled else round(value)
 
     def _real(self, number: int) -> float:
         if self.ratio is None:
-            return number * self._factor + self.quantity.offset
+            return number * self.factor + self.quantity.offset
         multiplier, added, divisor = self.ratio
         return (number * multiplier + added) / divisor
 
@@ -197,7 +197,7 @@ class Codec:
         return (raw ^ self.sign) - self.sign
 
     def _encode_scaled(self, value: Any) -> int:
-        number = (self._number(value) - self.quantity.offset) / self._factor
+        number = (self._number(value) - self.quantity.offset) / self.factor
         if math.isnan(number):
             raise self._refused(value)
         if math.isinf(number):
@@ -395,7 +395,7 @@ class Codec:
         if not quantity.scaled:
             return numbers
         if self.ratio is None:
-            return np.asarray(numbers * self._factor + quantity.offset)
+            return np.asarray(numbers * self.factor + quantity.offset)
         multiplier, added, divisor = self.ratio
         return np.asarray((numbers.astype(np.float64) * multiplier + added) / divisor)
 

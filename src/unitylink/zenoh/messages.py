@@ -11,15 +11,10 @@ import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from unitylink import protocol as p
-from unitylink._native import sample_messages
 from unitylink.errors import ProtocolError
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
 
 VERSION = 1
 DO, SUBSCRIBE, UNSUBSCRIBE, ARM, LEAVE, WRITE_VALUE = range(1, 7)
@@ -183,14 +178,6 @@ def decode_set_point(key: str, data: bytes) -> SetPoint:
     if zero or zeros:
         raise ProtocolError("a set-point whose reserved bytes are not 0")
     return SetPoint(key, visit, sequence, deadline_ns, data[_POINT.size :])
-
-
-def encode_samples(first: int, times_s: npt.NDArray[np.float64], since_ns: int, body: bytes) -> list[bytes]:
-    """Return a publication for each time: its sequence from `first` on, its time, and its part of `body`.
-
-    The times are those in `times_s`, and `since_ns` later.
-    """
-    return sample_messages(first & 0xFFFFFFFF, times_s, since_ns, body)
 
 
 def decode_sample(data: bytes, words: int) -> tuple[int, int, tuple[int, ...]]:

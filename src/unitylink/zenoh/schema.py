@@ -17,6 +17,7 @@ from .messages import SAMPLE
 
 PLAIN = ("WRITE", "READWRITE")  # what a set-point may be
 _INTEGERS = {8: "b", 16: "h", 32: "i", 64: "q"}
+Piece = tuple[str, int, int, int, bool, int, "tuple[float, float, float] | None"]
 
 
 class Field:
@@ -40,6 +41,24 @@ class Field:
             code = _INTEGERS[bits] if kind.signed else _INTEGERS[bits].upper()
         self._struct = struct.Struct(f"<{code}")
         self.bytes = self._struct.size
+
+    @property
+    def piece(self) -> Piece:
+        """What `SampleOutput` needs to make these bytes of words, as `Codec.decode_array` and `pack` do.
+
+        These are what it is, its words, their bits, its own bits, whether it has a sign, and its bytes. Last
+        are (a, b, c) if its value is (number * a + b) / c.
+        """
+        codec, quantity = self.codec, self.codec.quantity
+        arithmetic = None
+        if quantity.scaled and self.type == "f64":
+            steps = (codec.factor, quantity.offset, 1) if codec.ratio is None else codec.ratio
+            if codec.type.kind == "float":
+                steps = (quantity.scale, quantity.offset, 1)
+            arithmetic = (float(steps[0]), float(steps[1]), float(steps[2]))
+        kind = codec.type.kind if codec.type.kind in ("float", "bool") else "whole"
+        signed = bool(codec.sign) and not self.packed
+        return kind, codec.words, codec.data_bits, codec.width, signed, self.bytes, arithmetic
 
     def pack(self, raw: int) -> bytes:
         """Return the bytes of a raw number of the board."""

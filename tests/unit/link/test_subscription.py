@@ -117,6 +117,41 @@ def test_several_publishes_are_first_offered_as_arrays(link: Link, device: Any) 
     assert got.get(timeout=10) == row
 
 
+def test_a_program_may_drain_by_itself_in_the_thread_of_the_callbacks(
+    link: Link, device: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    """It gets all, even after an error of its own, and is not called after the end."""
+    got: queue.SimpleQueue[object] = queue.SimpleQueue()
+    broken = [True]
+
+    def take(native: Any, identity: int) -> None:
+        if native.available(identity) and broken and broken.pop():
+            raise RuntimeError("not this time")
+        for row in native.drain(identity, 2)[1].tolist():
+            got.put(row)
+
+    subscription = link.subscribe([1, 2], divisor=10)
+    subscription.on_publish(lambda time_s, words: pytest.fail("it was replaced"))
+    subscription.hand_over(take)
+    row = [device.memory[1], device.memory[2]]
+    for _ in range(4):
+        device.publish(subscription.group)
+    assert [got.get(timeout=10) for _ in range(4)] == [row] * 4
+    assert "not this time" in caplog.text
+    subscription.on_publish(lambda time_s, words: got.put(words))
+    device.publish(subscription.group)
+    assert got.get(timeout=10) == tuple(row)
+    subscription.hand_over(take)
+    for _ in range(2):
+        device.publish(subscription.group)
+    link.read(1)  # they came before its answer
+    subscription.close()
+    assert [got.get(timeout=10) for _ in range(2)] == [row] * 2
+    assert got.empty()
+    with pytest.raises(LinkClosed):
+        subscription.hand_over(take)
+
+
 @pytest.mark.parametrize("what", ["subscription", "link"])
 def test_a_callback_that_closes_is_not_called_again(link: Link, device: Any, what: str) -> None:
     got: list[tuple[int, ...]] = []

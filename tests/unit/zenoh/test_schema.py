@@ -14,8 +14,7 @@ import pytest
 from unitylink.errors import ProtocolError, UrlError, ValueRangeError
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
-from unitylink.zenoh.bridge.groups import Output
-from unitylink.zenoh.bridge.topics import TypedRows, layouts_of, topic_names
+from unitylink.zenoh.bridge.topics import layouts_of, topic_names, typed_output
 from unitylink.zenoh.bridge.visits import GRACE_NS, Visits
 from unitylink.zenoh.keys import Keys
 from unitylink.zenoh.messages import SAMPLE
@@ -86,25 +85,64 @@ def test_a_part_has_all_its_set_points_and_no_pulse(spec: Spec, fields: dict[str
 
 
 def test_rows_are_the_same_as_single_values(spec: Spec, fields: dict[str, Field]) -> None:
-    """Publications are packed by columns. Each value is as a query would answer it."""
+    """Publications are made without an object for a value. Each value is as a query would answer it."""
     (group,) = topic_names(spec).values()
     mine = [fields[element.path] for element in group.elements]
     chance = np.random.default_rng(1)
     words = chance.integers(0, 1 << 32, (50, len(mine)), dtype=np.uint32)
     words[:, 2] &= 0xF
-    rows, puts = TypedRows(mine), list[bytes]()
+    puts = list[bytearray]()
     first, times, since_ns = 2**32 - 1, chance.uniform(0, 1e6, 50), -(10**12)
-    output = Output(puts.append, rows, rows.row_bytes)
+    output = typed_output(puts.append, mine)
     output.send(first, times, since_ns, words)
     heads = [SAMPLE.unpack_from(one) for one in puts]
     times_ns = [int(time_s * 1e9) + since_ns for time_s in times.tolist()]
     assert heads == [((first + number) % 2**32, time_ns) for number, time_ns in enumerate(times_ns)]
-    with pytest.raises(ProtocolError, match="publishes of"):
+    with pytest.raises(ValueError, match="expected 49 rows of 4 words, got 50 of 4"):
         output.send(first, times[:-1], 0, words)
+    with pytest.raises(ValueError, match="no time"):
+        output.send(first, np.full(50, np.nan), 0, words)
     for row, put in zip(words.tolist(), puts, strict=True):
         data = put[SAMPLE.size :]
         single = b"".join(field.pack(raw & field.codec.mask) for field, raw in zip(mine, row, strict=True))
         assert data == single or np.isnan(np.frombuffer(data[-8:], "<f8")[0])
+
+
+KINDS = """
+bits flags : u12 { hot: bool @ 0; count: u3 @ 3..1; }
+open enum mode : u6 { off = 0; }
+public all() {
+   @a = 0x10: i32 READ(PUBLISH(100 Hz)); @b = 0x11: u32 READ(PUBLISH(100 Hz));
+   @c = 0x12: i8 READ(PUBLISH(100 Hz)); @d = 0x13: u9 READ(PUBLISH(100 Hz));
+   @e = 0x14: i33 READ(PUBLISH(100 Hz)); @f = 0x18: u64 READ(PUBLISH(100 Hz));
+   @g = 0x1c: i64 READ(SCALE=0.1, PUBLISH(100 Hz)); @h = 0x20: u64 READ(SCALE=3, OFFSET=-1, PUBLISH(100 Hz));
+   @i = 0x24: i16 READ(SCALE=0.01, OFFSET=1.5, PUBLISH(100 Hz)); @j = 0x25: fixed(8,8) READ(PUBLISH(100 Hz));
+   @k = 0x26: f32 READ(SCALE=-2.5, OFFSET=1, PUBLISH(100 Hz)); @l = 0x28: f64 READ(PUBLISH(100 Hz));
+   @m = 0x2c: bool READ(PUBLISH(100 Hz)); @n = 0x2d: flags READ(PUBLISH(100 Hz));
+   @o = 0x2e: mode READ(PUBLISH(100 Hz));
+   @q = 0x30: f32 READ(PUBLISH(100 Hz)); @r = 0x32: i31 READ(SCALE=0.30000000000000004, PUBLISH(100 Hz));
+}
+"""
+
+
+@pytest.mark.parametrize("data_bits", [8, 16, 32])
+def test_each_kind_of_value_is_as_numpy_decodes_it(data_bits: int) -> None:
+    """The ends of each type, and numbers by chance; the bits of NaN too."""
+    spec = compile_text(KINDS, "all.ul").spec
+    assert spec is not None
+    chance = np.random.default_rng(data_bits)
+    for field in fields_of(spec, data_bits).values():
+        codec, count = field.codec, 500
+        raws = chance.integers(0, codec.mask, count, dtype=np.uint64, endpoint=True)
+        raws[:4] = 0, codec.mask, codec.mask >> 1, (codec.mask >> 1) + 1
+        shifts = np.arange(codec.words, dtype=np.uint64) * np.uint64(data_bits)
+        words = (raws[:, None] >> shifts & np.uint64(codec.word_mask)).astype(np.uint32)
+        puts = list[bytearray]()
+        typed_output(puts.append, [field]).send(0, np.zeros(count), 0, words)
+        with np.errstate(invalid="ignore"):  # a signalling NaN becomes a quiet one
+            want = raws if field.packed else codec.decode_array(raws)
+        kind = {"f64": "<f8", "bool": "u1"}.get(field.type) or f"<{field.type[0]}{field.bytes}"
+        assert b"".join(one[SAMPLE.size :] for one in puts) == want.astype(kind).tobytes(), field.path
 
 
 def test_the_schema_says_where_each_value_is(spec: Spec, fields: dict[str, Field]) -> None:

@@ -6,55 +6,21 @@ from __future__ import annotations
 import itertools
 import logging
 import threading
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from unitylink.errors import ProtocolError, UnityLinkError
-
-from ..messages import encode_samples
+from unitylink._native import PublishPath, SampleOutput
+from unitylink.errors import UnityLinkError
 
 if TYPE_CHECKING:
     import zenoh
 
     from unitylink.layer2_message import Link, Subscription
-    from unitylink.layer2_message.native_link import Times, Words
 
 GATHER_S = 0.001  # a fast stream wakes the bridge so often at most
-_CLOSE_NS = 1_000_000  # between the time of a link and that of the system: then they are the same
-Put = Callable[[bytes], Any]
-Body = Callable[["Words"], bytes]
+Put = Callable[[bytearray], Any]
 _Wanted = tuple[tuple[int, ...], int, bool, "int | None"]
 _log = logging.getLogger("unitylink.zenoh")
-
-
-def raw_words(words: Words) -> bytes:
-    """Return the bytes of all rows, one after the other: their words, little-endian."""
-    return np.asarray(words, dtype="<u4").tobytes()
-
-
-class Output:
-    """Where the rows of a group go: `put` takes the message of each.
-
-    `body` returns the bytes of rows of words, one after the other, `row_bytes` for each.
-    """
-
-    def __init__(self, put: Put, body: Body, row_bytes: int) -> None:
-        self._put, self._body, self._row_bytes = put, body, row_bytes
-
-    def send(self, first: int, times: Times, since_ns: int, words: Words) -> None:
-        """Put a message for each row. `first` is the sequence of the first one.
-
-        The time of a message is that in `times`, in ns, and `since_ns` later.
-        """
-        data = self._body(words)
-        if len(data) != self._row_bytes * len(times):
-            raise ProtocolError(f"{len(data)} bytes for {len(times)} publishes of {self._row_bytes} bytes")
-        put = self._put
-        for message in encode_samples(first, times, since_ns, data):
-            put(message)
 
 
 class Group:
@@ -63,20 +29,19 @@ class Group:
     def __init__(self, wanted: _Wanted, publisher: zenoh.Publisher) -> None:
         self.wanted = wanted
         self._publisher = publisher
+        self._words = SampleOutput(publisher.put, len(wanted[0]))  # for the links of our clients
+        self._topics: tuple[SampleOutput, ...] = ()
+        self._path = PublishPath(_left_out)
         self.users: set[int] = set()  # visits, and 0 for the topic
-        self.outputs: tuple[Output, ...] = (Output(publisher.put, raw_words, 4 * len(wanted[0])),)
         self.subscription: Subscription | None = None
-        self.published = 0
-        self._link: Link | None = None
 
     def start(self, link: Link, *, verify: bool) -> None:
         """Subscribe at the board. Raises LinkError."""
         addresses, divisor, on_event, group = self.wanted
-        self._link = link
         self.subscription = link.subscribe(
             addresses, divisor=divisor, on_event=on_event, verify=verify, group=group
         )
-        self.subscription.on_publish(self._one, gather_s=GATHER_S, arrays=self._many)
+        self.subscription.hand_over(self._path.take, gather_s=GATHER_S)
 
     def stop(self) -> None:
         """End the subscription, then the publisher: Zenoh refuses to end it while something is put."""
@@ -87,24 +52,33 @@ class Group:
                 _log.debug("a group was not released: %s", error)
         self._publisher.undeclare()
 
-    def _one(self, time_s: float, words: Sequence[int]) -> None:
-        self._many(np.array([time_s]), np.array([words], dtype=np.uint32))
+    def add(self, user: int, topic: SampleOutput | None) -> None:
+        """Let a user have it. The user 0 has a `topic` instead of the words."""
+        self.users.add(user)
+        if topic is not None:
+            self._topics = (*self._topics, topic)
+        self._choose()
 
-    def _many(self, times: Times, words: Words) -> bool:
-        link, subscription = self._link, self.subscription
-        if link is None or subscription is None:
-            return True
-        first = self.published + subscription.missing + subscription.lost
-        self.published += len(times)
-        since_ns = time.monotonic_ns() - int(link.now_s() * 1e9)
-        if abs(since_ns) < _CLOSE_NS:
-            since_ns = 0
-        for output in self.outputs:
-            try:
-                output.send(first, times, since_ns, words)
-            except Exception as error:  # the session ends, or the board holds what its type does not have
-                _log.debug("a publish was left out: %s", error)
-        return True
+    def drop(self, user: int) -> None:
+        """A user does not want it any more."""
+        self.users.discard(user)
+        if user == 0:
+            self._topics = ()
+        self._choose()
+
+    def _choose(self) -> None:
+        """Put each message that somebody wants, and no other."""
+        self._path.outputs = (self._words, *self._topics) if self.users - {0} else self._topics
+
+    @property
+    def published(self) -> int:
+        """How many publishes of the board have come."""
+        return self._path.published
+
+
+def _left_out(error: object) -> None:
+    """The session ends."""
+    _log.debug("publishes were left out: %s", error)
 
 
 class Groups:
@@ -126,7 +100,7 @@ class Groups:
         on_event: bool = False,
         verify: bool = True,
         group: int | None = None,
-        topic: Output | None = None,
+        topic: SampleOutput | None = None,
     ) -> int:
         """Let a user have a group. Return its number. Raises LinkError, for example if no group is free."""
         wanted = (addresses, divisor, on_event, group)
@@ -140,16 +114,15 @@ class Groups:
             if not number:
                 number = next(self._numbers)
                 one = Group(wanted, self._publisher(number))
+                one.add(user, topic)  # before the first publish
                 try:
                     one.start(self._link(), verify=verify)
                 except BaseException:
                     one.stop()
                     raise
                 self._groups[number] = one
-            one = self._groups[number]
-            if topic is not None:
-                one.outputs = (*one.outputs, topic)
-            one.users.add(user)
+            else:
+                self._groups[number].add(user, topic)
             return number
 
     def leave(self, number: int, user: int) -> None:
@@ -158,9 +131,7 @@ class Groups:
             one = self._groups.get(number)
             if one is None:
                 return
-            one.users.discard(user)
-            if user == 0:
-                one.outputs = one.outputs[:1]
+            one.drop(user)
             if one.users:
                 return
             del self._groups[number]

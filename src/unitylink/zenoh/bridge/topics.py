@@ -8,23 +8,19 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from unitylink._native import SampleOutput
 from unitylink.errors import UnityLinkError
 
 from ..schema import Field, Layout
-from .groups import Output
 
 if TYPE_CHECKING:
     import zenoh
 
-    from unitylink.layer2_message.native_link import Words
     from unitylink.spec.model import Spec, SubscriptionGroup
 
-    from .groups import Groups
+    from .groups import Groups, Put
 
 _OTHER = re.compile(r"[^A-Za-z0-9]+")
-_DTYPES = {"f64": "<f8", "bool": "u1"}
 _log = logging.getLogger("unitylink.zenoh")
 
 
@@ -42,30 +38,10 @@ def topic_names(spec: Spec) -> dict[str, SubscriptionGroup]:
     return named
 
 
-class TypedRows:
-    """Makes the bytes of typed values from rows of words, a column at a time."""
-
-    def __init__(self, fields: Sequence[Field]) -> None:
-        self._fields = tuple(fields)
-        self._dtype = np.dtype([(one.path, _DTYPES.get(one.type, _integer(one.type))) for one in fields])
-        self.row_bytes = self._dtype.itemsize
-
-    def __call__(self, words: Words) -> bytes:
-        """Return the bytes of all rows, one after the other."""
-        rows = np.zeros(len(words), dtype=self._dtype)
-        column = 0
-        for field in self._fields:
-            raw = words[:, column].astype(np.uint64)
-            for more in range(1, field.codec.words):
-                raw |= words[:, column + more].astype(np.uint64) << np.uint64(field.codec.data_bits * more)
-            column += field.codec.words
-            raw &= np.uint64(field.codec.mask)
-            rows[field.path] = raw if field.packed else field.codec.decode_array(raw)
-        return rows.tobytes()
-
-
-def _integer(kind: str) -> str:
-    return f"<{kind[0]}{int(kind[1:]) // 8}" if kind[0] in "iu" else ""
+def typed_output(put: Put, fields: Sequence[Field]) -> SampleOutput:
+    """Return what puts the values of these fields, which are one after the other in the words of a group."""
+    pieces = [field.piece for field in fields]
+    return SampleOutput(put, sum(field.codec.words for field in fields), pieces)
 
 
 class Topics:
@@ -76,9 +52,8 @@ class Topics:
     ) -> None:
         self._groups, self._publishers = groups, publishers
         self._named = topic_names(spec)
-        self._rows = {
-            name: TypedRows([fields[element.path] for element in group.elements])
-            for name, group in self._named.items()
+        self._fields = {
+            name: [fields[element.path] for element in group.elements] for name, group in self._named.items()
         }
         self._joined: dict[str, int] = {}
         self.failed: dict[str, str] = {}
@@ -106,7 +81,7 @@ class Topics:
                 on_event=not group.divisor,
                 verify=all(element.pollable for element in group.elements),
                 group=None if group.divisor else group.number,
-                topic=Output(publisher.put, self._rows[name], self._rows[name].row_bytes),
+                topic=typed_output(publisher.put, self._fields[name]),
             )
             self.failed.pop(name, None)
         except UnityLinkError as error:
