@@ -25,7 +25,7 @@ from pathlib import Path
 import partition
 from fleet import free_port
 from partition import APART, BEFORE_S, ORACLE, SPEC, Sender, judge
-from zenoh_bridge import Processes
+from processes import Processes
 
 PERIOD_S = 0.001
 KEY = "bench/r1"
