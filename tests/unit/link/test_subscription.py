@@ -152,6 +152,25 @@ def test_a_program_may_drain_by_itself_in_the_thread_of_the_callbacks(
         subscription.hand_over(take)
 
 
+def test_a_program_that_drains_and_closes_is_not_called_again(link: Link, device: Any) -> None:
+    found: list[int] = []
+    closed = threading.Event()
+    subscription = link.subscribe([1], divisor=10)
+
+    def take(native: Any, identity: int) -> None:
+        found.append(native.available(identity))
+        if found[-1]:
+            subscription.close()
+            closed.set()
+
+    subscription.hand_over(take)
+    device.publish(subscription.group)
+    assert closed.wait(10)
+    link.close()
+    assert found.pop() and not any(found)  # the last call is the one that closed
+    assert len(subscription.drain()[0])  # and nothing is lost
+
+
 @pytest.mark.parametrize("what", ["subscription", "link"])
 def test_a_callback_that_closes_is_not_called_again(link: Link, device: Any, what: str) -> None:
     got: list[tuple[int, ...]] = []
