@@ -70,6 +70,8 @@ def test_its_table_has_the_rows_of_the_bench(loops: Any) -> None:
     clocks = loops.fault_clocks()
     assert clocks and {f"{one / loops.CLOCK_HZ * 1e9:.0f} ns" for one in clocks} == {"40 ns"}
     assert "h_bridge at 50 MHz | none | 40 ns | 40 ns | 40 ns |" in PAGE
+    shown = " | ".join(f"{1e6 * one:.0f} µs" for one in loops.ranks(loops.pid_s(200)))
+    assert f"pid at 20 kHz, from an encoder to h_bridge at 20 kHz | none | {shown} |" in PAGE
 
 
 def test_the_bench_measures_a_loop(loops: Any, monkeypatch: pytest.MonkeyPatch) -> None:
