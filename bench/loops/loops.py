@@ -135,7 +135,8 @@ def main() -> None:
         shown = [f"{clocks / CLOCK_HZ * 1e9:.0f} ns" for clocks in ranks(fault_clocks())]
         print(f"| gateware, a fault to the gates of h_bridge at 50 MHz | none | {' | '.join(shown)} |")
         shown = [f"{1e6 * one:.0f} µs" for one in ranks(pid_s(given.count))]
-        print(f"| gateware, pid at 20 kHz, from an encoder to h_bridge at 20 kHz | none | {' | '.join(shown)} |")
+        what = "gateware, pid at 20 kHz, from an encoder to h_bridge at 20 kHz"
+        print(f"| {what} | none | {' | '.join(shown)} |")
     for way in ways:
         for baud_hz in BAUDS:
             times = measure(way, baud_hz, given.count, c_program)

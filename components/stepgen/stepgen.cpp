@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The model of stepgen.vhd: the bus, the limits and the latches. Motion and ramp are beside it. It runs clock by clock
-// while the ramp computes or a pin changes, and skips the base periods between.
+// while the ramp computes or a pin changes, and skips the base periods between. While all axes rest it runs no clock.
 #include <algorithm>
 #include <string>
 
 #include "device/component/component.hpp"
 #include "device/component/input_filter.hpp"
 #include "stepgen_ramp.hpp"
+#include "stepgen_rest.hpp"
 
 namespace unitylink::device {
 
@@ -29,6 +30,7 @@ class Stepgen final : public Component {
         rates_(from),
         motion_(from, rates_),
         ramp_(rates_),
+        rest_(rates_, motion_),
         filter_(3 * rates_.axes + 1, static_cast<std::uint32_t>(from.generic("stable_clocks", 1))),
         pins_(motion_.pins()) {
     wait_until(rates_.clearing_clocks);
@@ -66,6 +68,9 @@ class Stepgen final : public Component {
   }
 
   [[nodiscard]] Clock next() const noexcept override {
+    if (rest_.rests()) {
+      return never;
+    }
     const std::uint64_t periods = skippable(never);
     return now_ + (periods == 0 ? 0 : motion_.clocks_of(periods));
   }
@@ -74,7 +79,21 @@ class Stepgen final : public Component {
 
   void run_until(Clock state) {
     while (now_ < state) {
-      const std::uint64_t periods = skippable(state);
+      if (now_ >= rest_.due()) {
+        if (filter_.next() != never) {
+          rest_.show();  // a level is about to change
+        }
+        rest_.look(whole(), now_);
+      }
+      if (rest_.rests() && motion_.begins()) {  // else an operation on the time is under way
+        const Clock clocks = rest_.clocks(now_, state);
+        now_ += clocks;
+        motion_.pass(clocks);
+        if (now_ == state) {
+          break;
+        }
+      }
+      const std::uint64_t periods = skippable(std::min(state, rest_.due()));
       if (periods == 0) {
         clock();
         continue;
@@ -83,6 +102,15 @@ class Stepgen final : public Component {
       motion_.skip(ramp_.bank(), periods);
       ramp_.skip(periods);
     }
+  }
+
+  [[nodiscard]] StepgenRest::State whole() const {
+    const std::uint32_t bits = (stopped_ ? 1u : 0u) | (is_watching_ ? 2u : 0u);
+    return {motion_,
+            ramp_,
+            words_,
+            {pins_, levels_, bits, moved_ | halted_ << 8 | late_ << 16, shifting_, source_before_, armed_, catches_,
+             latched_}};
   }
 
   [[nodiscard]] StepgenMotion::Asked asked() const noexcept {
@@ -108,6 +136,7 @@ class Stepgen final : public Component {
     watch(told);
     if ((moved_ & ~moving) != 0) {
       event(0, edge);
+      rest_.show();
     }
     is_watching_ = is_watching_ || moved_ != ramp_.moving();
     moved_ = moving;
@@ -119,6 +148,7 @@ class Stepgen final : public Component {
       for (std::uint32_t pin = 0; pin < 2 * rates_.axes; ++pin) {
         output(pin, (pins >> pin & 1u) != 0, edge);
       }
+      rest_.show();
       pins_ = pins;
     }
   }
@@ -216,6 +246,7 @@ class Stepgen final : public Component {
 
   void stored(std::uint32_t address, Clock edge) override {
     run_until(edge + 1);
+    rest_.disturb(now_);
     const std::uint32_t axis = address / axis_words;
     const std::uint32_t word = address % axis_words;
     const std::uint32_t bit = 1u << axis;
@@ -236,12 +267,14 @@ class Stepgen final : public Component {
 
   void driven(std::uint32_t pin, bool level, Clock edge) override {
     run_until(edge);
+    rest_.disturb(now_);
     filter_.drive(pin, level, edge);
   }
 
   StepgenRates rates_;
   StepgenMotion motion_;
   StepgenRamp ramp_;
+  StepgenRest rest_;
   InputFilter filter_;
   StepgenRamp::Words words_{};
   std::uint32_t pins_;        // STEP of each axis, then DIR of each

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 
 #include "stepgen_pulse.hpp"
 
@@ -52,6 +53,17 @@ class StepgenMotion {
     positions_at_ = phases_at + std::max(rates.axes, 3u);
     pins_ = ((1u << rates.axes) - 1u) << rates.axes;  // all go up at first
   }
+
+  bool operator==(const StepgenMotion&) const = default;
+
+  // Does a base period begin, with no operation under way?
+  [[nodiscard]] bool begins() const noexcept { return slot_ == 0 && then_ == Kind::idle && last_ == Kind::idle; }
+  // The clocks after which the base periods have the same lengths again.
+  [[nodiscard]] Clock cycle_clocks(std::uint32_t periods) const noexcept {
+    return static_cast<Clock>(loss_) * (periods / std::gcd(static_cast<std::uint32_t>(gain_), periods));
+  }
+  // Only the time goes on.
+  void pass(Clock clocks) noexcept { memory_[now][0] += static_cast<std::uint32_t>(clocks); }
 
   [[nodiscard]] std::uint32_t pins() const noexcept { return pins_; }  // STEP of each axis, then DIR of each
   [[nodiscard]] std::uint32_t word(std::uint32_t axis, Part part) const noexcept {
@@ -179,6 +191,7 @@ class StepgenMotion {
   struct Place {
     Part part = position;
     std::uint32_t axis = 0;
+    bool operator==(const Place&) const = default;
     [[nodiscard]] bool is(Part other, std::uint32_t number) const noexcept { return part == other && axis == number; }
   };
   struct Operation {

@@ -26,6 +26,8 @@ struct StepgenRates {
     clearing_clocks = Clock{1} << (number_bits + 4);
   }
 
+  bool operator==(const StepgenRates&) const = default;
+
   // At least so long, and at least one clock.
   static std::uint32_t clocks_of(std::int64_t time_ns, std::int64_t clock_hz) noexcept {
     const std::int64_t clock_khz = (clock_hz + 999) / 1000;
@@ -47,6 +49,8 @@ struct StepgenRates {
 // The pins STEP and DIR of one axis.
 class StepgenPulse {
  public:
+  bool operator==(const StepgenPulse&) const = default;
+
   void configure(const ComponentConfiguration& from) {
     const auto clocks = [&](const char* name) {
       return StepgenRates::clocks_of(from.generic(name, 200), from.generic("clock_hz", 50'000'000));

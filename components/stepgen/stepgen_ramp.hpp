@@ -29,6 +29,8 @@ class StepgenRamp {
   explicit StepgenRamp(const StepgenRates& rates)
       : axes_(rates.axes), phase_bits_(rates.phase_bits()), count_mask_((1u << (rates.base_bits - 14)) - 1u) {}
 
+  bool operator==(const StepgenRamp&) const = default;
+
   [[nodiscard]] std::uint32_t axis() const noexcept { return number_; }
   [[nodiscard]] bool bank() const noexcept { return bank_; }
   [[nodiscard]] bool is_waiting() const noexcept { return state_ == State::waiting; }
@@ -147,6 +149,7 @@ class StepgenRamp {
     bool minus = false;
     bool carry = false;
     bool from_motion = false;
+    bool operator==(const Instruction&) const = default;
   };
   static constexpr std::uint32_t speed_bits = 28;
   static constexpr std::uint32_t speed_mask = (1u << speed_bits) - 1u;
