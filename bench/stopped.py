@@ -3,15 +3,18 @@
 
     python bench/stopped.py
     python bench/stopped.py --stops 300 --ttl 0.05
+    python bench/stopped.py --stops 300 --deadman 0.03
 
 Set-points go to a bridge all the time. It is stopped (SIGSTOP) again and again, wherever it is, and
 goes on when what it had is too old. The board is a process of its own, where an oracle notes each
-set-point that it sees, and when.
+set-point that it sees, and when. With `--deadman`, the board's dead-man trips in each stop that is
+longer, and the robot is armed again after it.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import random
@@ -27,6 +30,9 @@ from fleet import free_port
 from partition import APART, BEFORE_S, ORACLE, SPEC, Sender, judge
 from processes import Processes
 
+from unitylink import connect
+from unitylink.errors import LinkError
+
 PERIOD_S = 0.001
 KEY = "bench/r1"
 
@@ -35,6 +41,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--stops", type=int, default=200)
     parser.add_argument("--ttl", type=float, default=0.05, metavar="S", help="time to live of a set-point")
+    parser.add_argument(
+        "--deadman", type=float, default=0.0, metavar="S", help="of the board; 0: it has none"
+    )
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     chance = random.Random(options.seed)
@@ -49,7 +58,8 @@ def main() -> None:
         board = ("-m", "unitylink", "simulate", "arm.ul", "--plant", "oracle.py", "--tcp", "0", "--json")
         told = programs.start(*board)
         router = f"tcp/127.0.0.1:{free_port()}"
-        bridge = ("-m", "unitylink", "bridge", "zenoh", json.loads(told)["url"], "arm.ul", "--key", KEY)
+        url = json.loads(told)["url"] + (f"?deadman={options.deadman}" if options.deadman else "")
+        bridge = ("-m", "unitylink", "bridge", "zenoh", url, "arm.ul", "--key", KEY)
         programs.start(*bridge, "--listen", router)
         end = threading.Event()
         sender = Sender(f"zenoh:{KEY}?connect={router}", APART, options.ttl, end)
@@ -58,11 +68,16 @@ def main() -> None:
         if not sender.last_seen_s:
             raise SystemExit("the robot does not publish")
         pid = programs.pids[-1]
+        link = stack.enter_context(connect(f"zenoh:{KEY}?connect={router}"))
         for _ in range(options.stops):
             time.sleep(chance.uniform(0.02, 0.06))
             os.kill(pid, signal.SIGSTOP)
             time.sleep(options.ttl * chance.uniform(1.2, 4))
             os.kill(pid, signal.SIGCONT)
+            if options.deadman:
+                time.sleep(options.ttl)
+                with contextlib.suppress(LinkError):
+                    link.arm()
         time.sleep(0.5)
         end.set()
         sender.join(10.0)
