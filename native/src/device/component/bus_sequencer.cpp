@@ -61,6 +61,7 @@ void BusSequencer::run(Clock edge) {
       } else {
         state_ = State::exchanging;
         due_ = never;
+        replied_ = never;  // that of the byte before is over: else each clock would be run until the next one
         begin({(word_ & 0x2000u) != 0, (word_ & 0x1000u) != 0, (word_ & 0x0800u) != 0, byte_to_send()}, edge);
       }
       break;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The model of stepgen runs no clock while all axes rest, and nobody can tell that from outside."""
+"""Models run no clock while nothing happens, and nobody can tell that from outside."""
 
 from __future__ import annotations
 
@@ -68,4 +68,15 @@ def test_an_axis_that_rests_for_an_hour_costs_nothing(tmp_path: Path) -> None:
         link.step(3600.0)
         busy_s = time.process_time()
         assert link.read(5) == 100, "it has gone there meanwhile"
+        assert time.process_time() - busy_s < 1.0
+
+
+def test_a_device_that_does_not_answer_costs_nothing_while_it_is_awaited(tmp_path: Path) -> None:
+    file = tmp_path / "well.ul"
+    text = "link well (ADDRESS=8);\npublic well() {\n   meter: modbus_master();\n}\n"
+    file.write_text(text, encoding="utf-8")
+    with connect(f"sim:{file}?timeout=30", time="lockstep") as link:
+        link.step(60.0)
+        busy_s = time.process_time()
+        assert link.read(2) > 100, "it has failed so often"
         assert time.process_time() - busy_s < 1.0
