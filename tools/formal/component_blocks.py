@@ -147,7 +147,7 @@ COMPONENT_BLOCKS = (
         depth=30,
         pdr=True,
         reach=60,
-        not_proven="BiSS-C, SPI, other numbers of bits and rates, checks, position: the bench has them",
+        not_proven="other numbers of bits and rates, position: the bench has them; BiSS-C and SPI are below",
         mutants=(
             Mutant(
                 "absolute_encoder_line.vhd", "timer    <= half_clocks - 1;", "timer    <= half_clocks - 2;"
@@ -159,6 +159,104 @@ COMPONENT_BLOCKS = (
                 "state <= resting;\n            timer <= 0;",
             ),
             Mutant("absolute_encoder_line.vhd", "sclk  <= rest;", "sclk  <= not sclk and level;"),
+        ),
+    ),
+    Block(
+        "absolute_encoder_biss",
+        "`components/absolute_encoder`, its lines with BiSS-C: 2 bits, half a period of 3 clocks, a pause of "
+        "10, and 40 clocks for an answer",
+        depth=0,
+        deep=20,
+        induction=3,
+        by_abc=True,
+        reach=150,
+        guided={"ask": 1, "accept": 1},
+        seen={
+            name: f"dut.{name}"
+            for name in (
+                *(
+                    "level",
+                    "state",
+                    "stage",
+                    "timer",
+                    "sampler",
+                    "patience",
+                    "left",
+                    "done",
+                    "crc",
+                    "is_error",
+                ),
+                "command",
+            )
+        },
+        not_proven="other numbers of bits and rates: the bench tries them; the filter; the position",
+        mutants=(
+            Mutant("absolute_encoder_line.vhd", "if left <= bits + 7 then", "if left <= bits + 6 then"),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                'kind = biss and crc /= "000000" then',
+                "kind = biss and crc(5) = '1' then",
+            ),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "sampler <= 2 * half_clocks - 1;",
+                "sampler <= 2 * half_clocks - 2;",
+            ),
+            Mutant("absolute_encoder_line.vhd", "is_error <= not level;", "is_error <= level;"),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "if stage /= data and patience = 0 then",
+                "if stage = start and patience = 0 then",
+            ),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "state <= resting;\n            timer <= pause_clocks - 1;",
+                "state <= resting;\n            timer <= 0;",
+            ),
+        ),
+    ),
+    Block(
+        "absolute_encoder_spi",
+        "`components/absolute_encoder`, its lines with an AS5047P: 14 bits, half a period of 3 clocks, "
+        "pauses of 4",
+        depth=0,
+        deep=20,
+        induction=3,
+        by_abc=True,
+        reach=680,
+        guided={"again": 0, "ask": 1, "accept": 1},
+        seen={
+            "first": "dut.filter.pin_synchroniser.first",
+            "middle": "dut.filter.settled",
+            **{
+                name: f"dut.{name}"
+                for name in (
+                    *("level", "state", "timer", "left", "done", "primed", "second", "renews", "command"),
+                    *("parity", "is_error"),
+                )
+            },
+        },
+        not_proven="other numbers of bits and rates: the bench tries them; the position",
+        mutants=(
+            Mutant("absolute_encoder_line.vhd", "parity <= parity xor level;", "parity <= level;"),
+            Mutant("absolute_encoder_line.vhd", "(second = '0' and shift = 0) or (is_error", "(is_error"),
+            Mutant("absolute_encoder_line.vhd", "if renews = 2 then", "if renews = 1 then"),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "renews <= 2;\n            elsif",
+                "renews <= 1;\n            elsif",
+            ),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "timer    <= pause_clocks - 1;\n              state    <= deselected;",
+                "timer    <= 0;\n              state    <= deselected;",
+            ),
+            Mutant(
+                "absolute_encoder_line.vhd",
+                "timer = half_clocks - latency;",
+                "timer = half_clocks - latency + 1;",
+            ),
+            Mutant("absolute_encoder_line.vhd", "if left = 14 then", "if left = 13 then"),
         ),
     ),
     Block(
