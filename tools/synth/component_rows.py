@@ -189,6 +189,13 @@ COMPONENT_ROWS = (
         ecp5_mhz_least=100.0,
     ),
     Row(
+        "motion_profile",
+        "a component: the way to a target for a control loop, without smoothing",
+        top="narrow_motion_profile",
+        mhz_least=50.0,
+        ecp5_mhz_least=100.0,
+    ),
+    Row(
         "foc",
         "a component: the current loop of a brushless motor",
         top="narrow_foc",

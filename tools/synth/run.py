@@ -27,6 +27,7 @@ from flow import (
     verilog_of,
     versions,
 )
+from peers import peers_table
 from row import SEEDS, Row
 from table import ROWS
 
@@ -152,7 +153,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
                 f"| {f['memories']} | {f['mhz']} ({low} to {high}) | {old} "
                 f"| {limits(row, chip)} |"
             )
-    return "\n".join([*lines, *_progress(figures)]) + "\n"
+    return "\n".join([*lines, *peers_table(figures), *_progress(figures)]) + "\n"
 
 
 def _progress(figures: dict[str, Figures]) -> list[str]:
