@@ -242,6 +242,85 @@ def test_many_inputs_and_axes_compile(tmp_path: Path) -> None:
     assert fast.text.count("axes=8") == 2
 
 
+DEVICES: list[tuple[dict[str, Any], str, dict[str, str], str]] = [  # plugin, line, pins, note
+    (
+        {"type": "sonar", "pins": {"trigger": "PMOD1A:P1", "echo": "PMOD1A:P2"}},
+        "sonar(scale=0.01715 cm, rate=10 Hz)",
+        {"trigger": "P1A1", "echo": "P1A2"},
+        "",
+    ),
+    (
+        {"type": "hx711", "scale": 0.5, "pins": {"miso": "PMOD1A:P1", "sclk": "PMOD1A:P2"}},
+        "hx711(rate=10 Hz)",
+        {"dout": "P1A1", "sck": "P1A2"},
+        "plugins[0].scale = 0.5: hx711 has counts of 24 bits",
+    ),
+    (
+        {"type": "hx711", "mode": "CHB_32", "zero": 0, "pins": {"miso": "PMOD1A:P1", "sclk": "PMOD1A:P2"}},
+        "hx711(rate=10 Hz)",
+        {"dout": "P1A1", "sck": "P1A2"},
+        "plugins[0].mode = CHB_32: hx711 begins with a_128",
+    ),
+    ({"type": "ds18b20", "pins": {"one_wire": "PMOD1A:P1"}}, "one_wire(rate=1 Hz)", {"line": "P1A1"}, ""),
+    (
+        {"type": "wled", "leds": 12, "level": 100, "pins": {"data": "PMOD1A:P1"}},
+        "ws2812(leds=12)",
+        {"data": "P1A1"},
+        "plugins[0].level = 100: a colour has its brightness",
+    ),
+    ({"type": "ws2812b", "pins": {"data": "PMOD1A:P1"}}, "ws2812(leds=1)", {"data": "P1A1"}, ""),
+    (
+        {"type": "pdmout", "resolution": 20, "pins": {"pdm": "PMOD1A:P1"}},
+        "pdm(channels=1, bits=16)",
+        {"pins": "P1A1"},
+        "plugins[0].resolution = 20: pdm has 16 at most",
+    ),
+    (
+        {"type": "freqout", "pins": {"freq": {"pin": "PMOD1A:P1", "modifiers": [{"type": "invert"}]}}},
+        "pulse_generator(maximum_hz=1000000, active_level=0)",
+        {"line": "P1A1", "trigger": "-", "stop": "-"},
+        "",
+    ),
+    (
+        {"type": "freqin", "freq_min": 1, "pins": {"freq": "PMOD1A:P1"}},
+        "pulse_counter(timeout_ms=500, with_frequency=1, rate=10 Hz)",
+        {"line": "P1A1", "gate": "-"},
+        "plugins[0].freq_min = 1: pulse_counter waits 500 ms at most",
+    ),
+]
+
+
+@pytest.mark.parametrize(("plugin", "line", "pins", "note"), DEVICES)
+def test_a_device_becomes_its_component(
+    tmp_path: Path, plugin: dict[str, Any], line: str, pins: dict[str, str], note: str
+) -> None:
+    named = {**plugin, "name": "it"}
+    made = importing(tmp_path, {"boardcfg": "ICEBreakerV1.0e", "plugins": [named]})
+    assert f"\n   it: {line};\n" in made.text
+    assert sorted(options(made.build)) == sorted(f"it_{port}={pin}" for port, pin in pins.items())
+    told = pinout(made.text, made.build).pins.values()
+    assert sorted(pin.name for row in told for pin in row if pin) == sorted(set(pins.values()) - {"-"})
+    assert [one[: len(note)] for one in made.notes] == ([note] if note else []), "all else is taken"
+    without = importing(tmp_path, {"plugins": [{**named, "pins": {}}]})
+    assert [one for one in without.notes if "(" + plugin["type"] + " it): left out: it has no pin" in one]
+
+
+def test_channels_of_pdm_are_as_many_as_the_clock_allows(tmp_path: Path) -> None:
+    rows = [{"type": "pdmout", "pins": {"pdm": f"P{i}", "en": f"E{i}"}} for i in range(20)]
+    told = {"plugins": [*rows, {**rows[0], "resolution": 12}]}
+    made = importing(tmp_path, told)
+    assert re.findall(r"pdm\((.+?)\)", made.text) == [
+        *["channels=8, bits=8"] * 2,
+        "channels=4, bits=8",
+        "channels=1, bits=12",
+    ]
+    assert made.text.count("bool WRITE(SAFE=0)") == 21, "their enables"
+    slow = import_riocore(str(tmp_path / "robot.json"), "icebreaker")
+    clock_hz = load_board("icebreaker").design_hz
+    (most, *_) = re.findall(r"pdm\(channels=(\d+)", slow.text)
+    assert (2 * int(most) - 1) * 1_000_000 < clock_hz, "what pdm.ul says of the clock"
+
+
 STEP = {"type": "stepdir", "pins": {"step": "4", "dir": "2"}}
 WRONG: list[tuple[Any, str]] = [
     ([], "the file: an object { } is expected"),
@@ -268,6 +347,14 @@ WRONG: list[tuple[Any, str]] = [
         "plugins[0].quad_type: a whole number from 0 to 4",
     ),
     ({"plugins": [{**STEP, "signals": {"velocity": 1}}]}, "plugins[0].signals.velocity: an object"),
+    (
+        {"plugins": [{"type": "wled", "leds": 0, "pins": {"data": "1"}}]},
+        "plugins[0].leds: a whole number from 1",
+    ),
+    (
+        {"plugins": [{"type": "pdmout", "resolution": 7, "pins": {"pdm": "1"}}]},
+        "plugins[0].resolution: a whole number from 8 to 32",
+    ),
     (
         {"boardcfg": "ICEBreakerV1.0e", "plugins": [STEP, STEP]},
         "plugins[1].pins.step: 4 is taken by plugins[0].pins.step",

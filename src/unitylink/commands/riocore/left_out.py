@@ -21,13 +21,10 @@ KINDS = {
     **dict.fromkeys(("hy_vfd", "spacenav", "mqtt", "camjog", "camera"), "it is no part of the FPGA"),
     "blink": "no component; let your program change a pin",
     "bldc": "foc closes a current loop; write it with its wires and numbers into the spec",
-    "ds18b20": "one_wire reads it; write it into the spec",
-    "hx711": "hx711 reads it; write it with its scale into the spec",
-    "freqout": "pulse_generator gives it; write it with its highest frequency into the spec",
-    "modbus": "modbus_master reads and writes registers; write its table into the spec",
-    "sonar": "sonar reads it; write it into the spec",
-    "ws2812b": "ws2812 drives it; write it with its number of LEDs into the spec",
-    "pdmout": "pdm makes it; write it with its channels into the spec",
+    **dict.fromkeys(
+        ("modbus", "mbus"),
+        "modbus_master does this; riocore's page does not say how its table is written, so write ours",
+    ),
     "stepper": "stepgen gives step and direction, not the phases of a motor",
     "breakout": "its own wiring is not in this file; name its pins with --pin",
 }

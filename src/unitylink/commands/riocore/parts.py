@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
-from ..spec_names import Names
+from .devices import DEVICES
 from .left_out import KINDS, NO_COMPONENT, left_out
+from .part import PartList, bit_type, chunks
 from .plugins import Plugin, PluginPin
 
 AXES_MOST = 8  # of one stepgen
@@ -20,29 +20,9 @@ RATE = "rate=100 Hz"
 SERVO_HZ = 50
 _AXES = "XYZABCUVW"
 _SWITCHES = {"home-sw-in": "home", "neg-lim-sw-in": "limit_low", "pos-lim-sw-in": "limit_high"}
-_VHDL = frozenset(
-    ("in", "out", "signal", "label", "reset", "clock", "range", "process", "port", "wait", "on")
-)
 
 
-@dataclass
-class Part:
-    """A member of the spec: `line` after the name, comments before it, and the pins of its ports.
-
-    A word at a pin has one port, which is called "".
-    """
-
-    name: str
-    line: str
-    comments: list[str]
-    pins: dict[str, list[PluginPin | None]]
-
-    @property
-    def is_word(self) -> bool:
-        return "" in self.pins
-
-
-class Parts:
+class Parts(PartList):
     """Makes the parts.
 
     `notes` gets what has no counterpart. `clock_hz` is that of the design. With `inches` the lengths of the
@@ -50,10 +30,9 @@ class Parts:
     """
 
     def __init__(self, plugins: Sequence[Plugin], notes: list[str], *, clock_hz: int, inches: bool) -> None:
-        self.plugins, self.notes, self.inches = plugins, notes, inches
+        super().__init__(notes, clock_hz)
+        self.plugins, self.inches = plugins, inches
         self.axes_most = max(1, min(AXES_MOST, clock_hz // AXIS_HZ))
-        self.names = Names()
-        self.found: list[Part] = []
         self.switches = self._switches()
         makers: dict[Callable[[list[Plugin]], None], tuple[str, ...]] = {
             self._steppers: ("stepdir",),
@@ -66,30 +45,31 @@ class Parts:
         }
         for make, kinds in makers.items():
             make([one for one in plugins if one.kind in kinds])
-        made = {kind for kinds in makers.values() for kind in kinds}
+        for kind, make_device in DEVICES.items():
+            make_device(self, [one for one in plugins if one.kind == kind])
+        made = {kind for kinds in makers.values() for kind in kinds} | DEVICES.keys()
         for one in plugins:
             if one.kind in made:
                 self.notes += left_out(one.node)
             elif one.kind != "fpga":
-                why = KINDS.get(one.kind, NO_COMPONENT)
-                self.notes.append(f"{one.node.place} ({one.kind} {one.name}): left out: {why}")
+                self.leave_out(one, KINDS.get(one.kind, NO_COMPONENT))
 
     def _steppers(self, plugins: list[Plugin]) -> None:
         scales: dict[str, list[Plugin]] = {}
         for one in plugins:
             scales.setdefault(self._scale(one), []).append(one)
         for scale, same in scales.items():
-            for axes in _chunks(same, self.axes_most):
-                name = self._name(axes[0].name if len(axes) == 1 else "motors")
+            for axes in chunks(same, self.axes_most):
+                name = self.new_name(axes[0].name if len(axes) == 1 else "motors")
                 comments = [f"axis {i} is {one.name}{self._limits(one)}" for i, one in enumerate(axes)]
                 line = f"stepgen(axes={len(axes)}{scale}, {RATE})"
-                pins = {"step": [self._plain(one, "step") for one in axes]}
+                pins = {"step": [self.plain(one, "step") for one in axes]}
                 pins["direction"] = [one.pins.get("dir") for one in axes]
                 for port in _SWITCHES.values():
                     pins[port] = [self._switch(one, port) for one in axes]
-                self._add(name, line, comments, pins)
+                self.add(name, line, comments, pins)
                 for one in axes:
-                    self._output(one, "en", f"{one.name}_enable")
+                    self.output(one, "en", f"{one.name}_enable")
 
     def _scale(self, one: Plugin) -> str:
         """Return the length of a step, and whether the axis is reversed, as parameters of stepgen."""
@@ -171,43 +151,43 @@ class Parts:
 
     def _bridges(self, plugins: list[Plugin]) -> None:
         for one in plugins:
-            hertz = self._whole(one, "frequency", 10_000, 10, 1_000_000)
-            pins = {"pins": [self._plain(one, "out1"), self._plain(one, "out2"), None, None]}
+            hertz = self.whole(one, "frequency", 10_000, 10, 1_000_000)
+            pins = {"pins": [self.plain(one, "out1"), self.plain(one, "out2"), None, None]}
             line = f"h_bridge(form=1, frequency_hz={hertz})"
-            self._add(self._name(one.name), line, [f"{one.name}: pin 0 is IN1, pin 1 is IN2"], pins)
-            self._output(one, "en", f"{one.name}_enable")
+            self.add(self.new_name(one.name), line, [f"{one.name}: pin 0 is IN1, pin 1 is IN2"], pins)
+            self.output(one, "en", f"{one.name}_enable")
 
     def _pwms(self, plugins: list[Plugin]) -> None:
         periods: dict[int, list[Plugin]] = {}
         for one in plugins:
-            periods.setdefault(self._whole(one, "frequency", 10_000, 10, 1_000_000), []).append(one)
+            periods.setdefault(self.whole(one, "frequency", 10_000, 10, 1_000_000), []).append(one)
         for hertz, same in periods.items():
-            for channels in _chunks(same, CHANNELS_MOST):
-                name = self._name(channels[0].name if len(channels) == 1 else "pwms")
+            for channels in chunks(same, CHANNELS_MOST):
+                name = self.new_name(channels[0].name if len(channels) == 1 else "pwms")
                 comments = [f"channel {i} is {one.name}" for i, one in enumerate(channels)]
-                pins = {"pins": [self._plain(one, "pwm") for one in channels]}
-                self._add(name, f"pwm(channels={len(channels)}, frequency_hz={hertz})", comments, pins)
+                pins = {"pins": [self.plain(one, "pwm") for one in channels]}
+                self.add(name, f"pwm(channels={len(channels)}, frequency_hz={hertz})", comments, pins)
                 for one in channels:
-                    self._output(one, "dir", f"{one.name}_direction")
-                    self._output(one, "en", f"{one.name}_enable")
+                    self.output(one, "dir", f"{one.name}_direction")
+                    self.output(one, "en", f"{one.name}_enable")
 
     def _servos(self, plugins: list[Plugin]) -> None:
-        for channels in _chunks(plugins, CHANNELS_MOST):
+        for channels in chunks(plugins, CHANNELS_MOST):
             comments = [f"channel {i} is {one.name}" for i, one in enumerate(channels)]
             comments.append("-100 of riocore is 1000 us, and 100 is 2000 us")
             for one in channels:
                 hertz = one.node.get("frequency")
-                if hertz is not None and self._whole(one, "frequency", SERVO_HZ, 20, 150) != SERVO_HZ:
+                if hertz is not None and self.whole(one, "frequency", SERVO_HZ, 20, 150) != SERVO_HZ:
                     self.notes.append(
                         f"{hertz.place} = {hertz.value}: our servos get {SERVO_HZ} pulses a second"
                     )
-            name = self._name(channels[0].name if len(channels) == 1 else "servos")
-            pins = {"pins": [self._plain(one, "pwm") for one in channels]}
-            self._add(name, f"rc_servo(channels={len(channels)})", comments, pins)
+            name = self.new_name(channels[0].name if len(channels) == 1 else "servos")
+            pins = {"pins": [self.plain(one, "pwm") for one in channels]}
+            self.add(name, f"rc_servo(channels={len(channels)})", comments, pins)
 
     def _encoders(self, plugins: list[Plugin]) -> None:
         for one in plugins:
-            divided = 1 << self._whole(one, "quad_type", 2, 0, 4)
+            divided = 1 << self.whole(one, "quad_type", 2, 0, 4)
             turned = sum(one.pins[line].inverted for line in ("a", "b") if line in one.pins) == 1
             scale = f"{'-' if turned else ''}1{f'/{divided}' if divided > 1 else ''} count"
             each = "each edge is a count" if divided == 1 else f"a count is {divided} edges"
@@ -215,72 +195,27 @@ class Parts:
             pins = {"a": [one.pins.get("a")], "b": [one.pins.get("b")]}
             more = ""
             if one.kind == "quadencoderz":
-                pins["index"] = [self._plain(one, "z")]
+                pins["index"] = [self.plain(one, "z")]
                 more = ", with_index=1"
             line = f"quadrature_encoder(scale={scale}, {RATE}{more})"
-            self._add(self._name(one.name), line, comments, pins)
+            self.add(self.new_name(one.name), line, comments, pins)
 
     def _inputs(self, plugins: list[Plugin]) -> None:
         changes = 0
         for one in plugins:
             pin = one.pins.get("bit")
             if pin is None:
-                self.notes.append(f"{one.node.place} ({one.kind} {one.name}): left out: it has no pin")
+                self.leave_out(one, "it has no pin")
             elif one not in self.switches.values():
                 changes += 1
                 when = "on change" if changes <= CHANGES_MOST else "10 Hz"
-                self._add(self._name(one.name), f"{_bit(pin)} READ(PUBLISH({when}))", [], {"": [pin]})
+                self.add(self.new_name(one.name), f"{bit_type(pin)} READ(PUBLISH({when}))", [], {"": [pin]})
 
     def _outputs(self, plugins: list[Plugin]) -> None:
         for one in plugins:
-            if not self._output(one, "bit", one.name):
-                self.notes.append(f"{one.node.place} ({one.kind} {one.name}): left out: it has no pin")
-
-    def _output(self, one: Plugin, role: str, name: str) -> bool:
-        pin = one.pins.get(role)
-        if pin is not None:
-            off = pin.inverted if pin.error_level is None else pin.error_level
-            safe = ("on" if off != pin.inverted else "off") if pin.inverted else int(off)
-            self._add(self._name(name), f"{_bit(pin)} WRITE(SAFE={safe})", [], {"": [pin]})
-        return pin is not None
-
-    def _plain(self, one: Plugin, role: str) -> PluginPin | None:
-        """Return a pin of a component. Only the board can invert it."""
-        pin = one.pins.get(role)
-        if pin is not None and pin.inverted:
-            self.notes.append(
-                f'{pin.node.place}: invert: mark the pin active = "low" in a board.toml of your own'
-            )
-        return pin
-
-    def _whole(self, one: Plugin, key: str, default: int, least: int, most: int) -> int:
-        value = one.node.number(key, default)
-        if value is None or value != int(value) or not least <= value <= most:
-            where = one.node.get(key)
-            assert where is not None
-            raise where.wrong(f"a whole number from {least} to {most} is expected")
-        return int(value)
-
-    def _name(self, wanted: str) -> str:
-        snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", wanted).lower()
-        plain = re.sub(r"[^a-z0-9]+", "_", snake).strip("_") or "part"
-        plain = f"{plain}_pin" if plain in _VHDL else plain if plain[0].isalpha() else f"n_{plain}"
-        return self.names.unique(plain)
-
-    def _add(
-        self, name: str, line: str, comments: list[str], pins: dict[str, list[PluginPin | None]]
-    ) -> None:
-        self.found.append(Part(name, line, comments, pins))
-
-
-def _bit(pin: PluginPin) -> str:
-    return "inverted" if pin.inverted else "bool"
+            if not self.output(one, "bit", one.name):
+                self.leave_out(one, "it has no pin")
 
 
 def _number(value: float) -> str:
     return str(int(value)) if value == int(value) else repr(value)
-
-
-def _chunks(found: list[Plugin], most: int) -> Iterator[list[Plugin]]:
-    for first in range(0, len(found), most):
-        yield found[first : first + most]

@@ -7,7 +7,8 @@ import re
 import sys
 from pathlib import Path
 
-from unitylink.boards.pins import OPEN
+from unitylink.boards.pins import OPEN, lines_of
+from unitylink.gateware import Port
 from unitylink.generate import SpecPlan
 from unitylink.generate.vhdl import plan_designs
 from unitylink.spec.model import Spec
@@ -17,7 +18,8 @@ from ..imported import Imported, checked
 from ..spec_names import Names
 from .document import Node, read_document
 from .left_out import left_out
-from .parts import Part, Parts
+from .part import Part
+from .parts import Parts
 from .pins import BoardPins
 from .plugins import Plugin, PluginPin, read_plugins
 
@@ -113,7 +115,6 @@ def _text(name: str, title: str, parts: list[Part], address_bits: int) -> str:
 def _options(spec: Spec, parts: list[Part], board: BoardPins) -> tuple[list[str], list[str], list[str]]:
     """Return the `--pin` options, the places of all pins, and notes about pins that are not known."""
     (design,) = SpecPlan(spec).part(plan_designs)
-    ports = {(one.path, port): name for one in design.components for port, name in one.pins}
     widths = {
         (one.path, port): bits
         for root in spec.roots
@@ -121,26 +122,17 @@ def _options(spec: Spec, parts: list[Part], board: BoardPins) -> tuple[list[str]
         if one.component is not None
         for port, _, bits in one.component.pins
     }
+    lines: dict[str, list[tuple[str, int, str]]] = {}  # path -> its lines: name, bits, name in the component
+    for one in design.components:
+        ports = [Port(name, False, widths[one.path, port] or 1) for port, name in one.pins]
+        own = {name: port for port, name in one.pins}
+        own |= {name.removesuffix("_in"): port.removesuffix("_in") for name, port in own.items()}  # two-way
+        lines[one.path] = [(line.name, line.bits, own[line.name]) for line in lines_of(ports)]
     options, places, notes = [], [], []
     for part in parts:
-        told = (
-            {part.name: part.pins[""]}
-            if part.is_word
-            else {
-                ports[part.name, port]: part.pins.get(port, []) for path, port in ports if path == part.name
-            }
-        )
-        bits = (
-            {part.name: 1}
-            if part.is_word
-            else {
-                ports[part.name, port]: count or 1
-                for (path, port), count in widths.items()
-                if path == part.name
-            }
-        )
-        for port, wanted in told.items():
-            row: list[PluginPin | None] = [*wanted, *[None] * (bits[port] - len(wanted))]
+        for port, bits, role in [(part.name, 1, "")] if part.is_word else lines.get(part.name, []):
+            wanted = part.pins.get(role, [])
+            row: list[PluginPin | None] = [*wanted, *[None] * (bits - len(wanted))]
             found = [board.find(pin) if pin is not None and pin.where else None for pin in row]
             for number, pin in enumerate(row):
                 if pin is not None and pin.where:
