@@ -60,7 +60,7 @@ package frame_facts_pkg is
   constant in_routine   : natural := 36;
   constant returned_to  : natural := 37;  -- a routine returns to this place
 
-  type facts_table_t is array (0 to 255) of facts_t;
+  type facts_table_t is array (natural range <>) of facts_t;  -- for each place
 
   -- What a routine still does.
   subtype effects_t is std_ulogic_vector(4 downto 0);
@@ -73,7 +73,7 @@ package frame_facts_pkg is
 
   constant no_effects : effects_t := (others => '0');
 
-  type effects_table_t is array (0 to 255) of effects_t;
+  type effects_table_t is array (natural range <>) of effects_t;
 
   function facts_of(program : frame_program_t) return facts_table_t;
 
@@ -289,13 +289,13 @@ package body frame_facts_pkg is
   end function;
 
   function effects_of(program : frame_program_t) return effects_table_t is
-    variable table, before : effects_table_t := (others => no_effects);
+    variable table, before : effects_table_t(program'range) := (others => no_effects);
     variable i : frame_instruction_t;
     variable e : effects_t;
   begin
     loop
       before := table;
-      for place in 0 to 255 loop
+      for place in program'range loop
         i := program(place);
         e := no_effects;
         if i(do_return) = '0' and i(do_begin) = '0' and i(do_call) = '0' and i(do_dispatch) = '0' then
@@ -336,8 +336,8 @@ package body frame_facts_pkg is
   end function;
 
   function facts_of(program : frame_program_t) return facts_table_t is
-    constant effects : effects_table_t := effects_of(program);
-    variable table, before : facts_table_t := (others => (others => '0'));
+    constant effects : effects_table_t(program'range) := effects_of(program);
+    variable table, before : facts_table_t(program'range) := (others => (others => '0'));
     variable i             : frame_instruction_t;
     variable facts, part   : facts_t;
     variable following, target : natural;
@@ -353,7 +353,7 @@ package body frame_facts_pkg is
     end loop;
     loop
       before := table;
-      for place in 0 to 255 loop
+      for place in program'range loop
         i         := program(place);
         following := to_integer(unsigned(i(following_f)));
         target    := to_integer(unsigned(i(target_f)));

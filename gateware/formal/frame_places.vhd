@@ -15,66 +15,50 @@ use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
 use work.frame_works_pkg.all;
 use work.protocol_pkg.all;
+use work.width_pkg.all;
 
 entity frame_places is
   generic (
-    program : frame_program_t  -- 256 instructions
+    program : frame_program_t
   );
   port (
-    clk, begun      : in std_ulogic;
+    clk             : in std_ulogic;
+    w               : in frame_work_t;
     -- The sequencer: which instruction is executed, unless `idle`, and which one was fetched.
-    place_now, place_ahead, caller : in unsigned(7 downto 0);
-    idle, busy, first_clock, jump, begins : in std_ulogic;
+    place_now, place_ahead, caller : in unsigned(bits_for(program'length) - 1 downto 0);
+    busy, first_clock, jump, begins : in std_ulogic;
     turns           : in unsigned(2 downto 0);
     -- The judge: what it sees in this clock.
     sees_missing, sees_not_new, sees_failed : in std_ulogic;
     jump_kept       : in std_ulogic;             -- it jumps because of what was judged before
     marks           : in byte_t;
-    -- The frame that waits, and the work in hand.
+    -- The frame that waits.
     stands          : in std_ulogic;
-    waiting         : in entry_t;                -- entry of the frame
-    had_id          : in std_ulogic;
-    length, taken   : in unsigned(3 downto 0);
-    chosen          : in entry_t;                -- what begins
-    entry           : in natural range 0 to 31;  -- of the work
-    frame, routine  : in std_ulogic;
-    dones           : in natural range 0 to 2;
-    in_session      : in std_ulogic;
-    -- Its access.
+    waiting         : in entry_t;                -- its entry
+    length, taken   : in unsigned;
+    -- The bus, and the dead-man.
     bus_open, over, failed, silent_bus : in std_ulogic;
-    accesses        : in natural range 0 to 2;
     denied_write    : in std_ulogic;
-    tripped         : in std_ulogic;              -- the dead-man has
-    trouble         : in natural range 0 to 3;   -- 1: refused, 2: no answer, 3: denied
-    commanded       : in std_ulogic;              -- the dead-man was started, stopped or armed
+    tripped         : in std_ulogic;
+    commanded       : in std_ulogic;             -- the dead-man was started, stopped or armed
     data            : in word32_t;
     word_index      : in unsigned(7 downto 0);
-    looked_at, looked_at_next : in natural range 0 to 255;
-    -- Its answer.
-    kinds           : in natural range 0 to 2;
-    kind            : in byte_t;
-    given, begun_payload, reply_idle : in std_ulogic;
-    -- Its id.
+    reply_idle      : in std_ulogic;
     fresh, repeated : in std_ulogic;
-    memories        : in natural range 0 to 2;
-    judgements      : in natural range 0 to 3;
-    judged          : in std_ulogic;              -- the cache has called `judged_id` new
-    judged_id, id, id_before, id_then : in std_ulogic_vector(15 downto 0);
-    forgot          : in std_ulogic;              -- the cache has forgotten a place
-    other, other_before : in std_ulogic
+    id              : in std_ulogic_vector(15 downto 0)
   );
 end entity;
 
 architecture properties of frame_places is
 
-  constant table   : facts_table_t   := facts_of(program);
-  constant effects : effects_table_t := effects_of(program);
+  constant table   : facts_table_t(program'range)   := facts_of(program);
+  constant effects : effects_table_t(program'range) := effects_of(program);
 
   signal now       : frame_instruction_t;
   signal condition : natural range 0 to 31;
   signal number    : natural range 0 to 255;
-  signal place     : unsigned(7 downto 0);  -- the one that is executed, or comes next
-  signal following : unsigned(7 downto 0);  -- what is fetched behind it, unless it jumps
+  signal place     : unsigned(place_now'range);  -- the one that is executed, or comes next
+  signal following : unsigned(place_now'range);  -- what is fetched behind it, unless it jumps
   signal marked    : std_ulogic;            -- mark_repeated is set
   signal same_id   : std_ulogic;            -- the id is the one that was judged
   signal status    : std_ulogic_vector(3 downto 0);  -- of the access
@@ -92,16 +76,16 @@ begin
   now       <= program(to_integer(place_now));
   condition <= to_integer(unsigned(now(condition_f)));
   number    <= to_integer(unsigned(now(number_f)));
-  place     <= place_ahead when idle = '1' else place_now;
+  place     <= place_ahead when w.idle = '1' else place_now;
   marked    <= or (marks and byte_t(to_unsigned(mark_repeated, 8)));
-  status    <= std_ulogic_vector(to_unsigned(reply_status_denied_c, 4)) when trouble = 3 else
-               std_ulogic_vector(to_unsigned(trouble, 4));
-  starts    <= busy and idle and first_clock;
+  status    <= std_ulogic_vector(to_unsigned(reply_status_denied_c, 4)) when w.trouble = 3 else
+               std_ulogic_vector(to_unsigned(w.trouble, 4));
+  starts    <= busy and w.idle and first_clock;
   waits     <= stands and to_bit(unsigned(waiting) < 16);
 
   follow : process (all) is
   begin
-    following <= resize(unsigned(now(following_f)), 8);
+    following <= resize(unsigned(now(following_f)), following'length);
     if now(do_return) = '1' then
       following <= caller;
     elsif now(do_dispatch) = '1' then
@@ -112,9 +96,9 @@ begin
   -- The id is sent byte by byte, and rotates meanwhile.
   compare : process (all) is
   begin
-    same_id <= to_bit(id = judged_id);
-    if idle = '0' and now(source_f) = from_id and turns = 0 then
-      same_id <= to_bit(id(7 downto 0) & id(15 downto 8) = judged_id);
+    same_id <= to_bit(id = w.judged_id);
+    if w.idle = '0' and now(source_f) = from_id and turns = 0 then
+      same_id <= to_bit(id(7 downto 0) & id(15 downto 8) = w.judged_id);
     end if;
   end process;
 
@@ -125,24 +109,25 @@ begin
       (marks and not byte_t(to_unsigned(mark_repeated, 8))) = x"00" and
       (stands = '0' or (unsigned(waiting) < entry_trip and begins_work(to_integer(unsigned(waiting))))) and
       (bus_open = '0' or over = '0') and
-      (accesses = 0 or (to_bit(trouble /= 0) = failed and to_bit(trouble = 2) = silent_bus and
-                        to_bit(trouble = 3) = denied_write)) and accesses < 2 and
-      (begun_payload = '0' or given = '1'));
+      (w.accesses = 0 or (to_bit(w.trouble /= 0) = failed and to_bit(w.trouble = 2) = silent_bus and
+                        to_bit(w.trouble = 3) = denied_write)) and w.accesses < 2 and
+      (w.begun_payload = '0' or w.given = '1'));
   end process;
 
   know_works : process (all) is
   begin
     works_true <= '1';
     if busy = '1' then
-      works_true <= to_bit(dones = 0 and memories = 0 and judgements <= 2 and
-                           (marked = '0' or (accesses = 0 and bus_open = '0' and commanded = '0')) and
-                           (judged = '0' or fresh = '1') and
-                           (frame = '0' or (stands = '1' and unsigned(waiting) = entry and
-                                            had_id = to_bit(length >= 2))));
+      works_true <= to_bit(w.dones = 0 and w.memories = 0 and w.judgements <= 2 and
+                           (marked = '0' or (w.accesses = 0 and bus_open = '0' and commanded = '0')) and
+                           (w.judged = '0' or fresh = '1') and
+                           (w.frame = '0' or (stands = '1' and unsigned(waiting) = w.entry and
+                                            w.had_id = to_bit(length >= 2))));
       if starts = '1' then
-        works_true <= to_bit(routine = '0' and judgements = 0 and accesses = 0 and memories = 0 and bus_open = '0' and
-                             dones = 0 and kinds = 0 and given = '0' and frame = '0' and forgot = '0' and
-                             (waits = '0' or in_session = '1'));
+        works_true <= to_bit(w.routine = '0' and w.judgements = 0 and w.accesses = 0 and w.memories = 0 and
+                             bus_open = '0' and
+                             w.dones = 0 and w.kinds = 0 and w.given = '0' and w.frame = '0' and w.forgot = '0' and
+                             (waits = '0' or w.in_session = '1'));
       end if;
     end if;
   end process;
@@ -158,10 +143,10 @@ begin
   begin
     ok := true;
     if starts = '0' then
-      ok := only(sees_missing, idle = '0' and first_clock = '0' and condition = if_missing) and
-            only(sees_not_new, idle = '0' and first_clock = '0' and condition = if_not_new) and
-            only(sees_failed, idle = '0' and first_clock = '0' and (condition = if_failed or condition = if_over));
-      if idle = '1' then  -- it jumps, or there is no work
+      ok := only(sees_missing, w.idle = '0' and first_clock = '0' and condition = if_missing) and
+            only(sees_not_new, w.idle = '0' and first_clock = '0' and condition = if_not_new) and
+            only(sees_failed, w.idle = '0' and first_clock = '0' and (condition = if_failed or condition = if_over));
+      if w.idle = '1' then  -- it jumps, or there is no work
         ok := ok and jump = '0' and turns = 0;
       else
         ok := ok and turns <= unsigned(now(times_f));
@@ -190,12 +175,12 @@ begin
           ok := ok and taken = 0;
         end if;
         if now(data_f) = data_word and now(special_f) = by_silence then
-          ok := ok and now(times_f) = "010" and (turns = 2 or looked_at_next = word_index) and
-                (turns /= 0 or looked_at = word_index);
+          ok := ok and now(times_f) = "010" and (turns = 2 or w.looked_at_next = word_index) and
+                (turns /= 0 or w.looked_at = word_index);
         end if;
         if condition = if_not_new then
-          ok := ok and id = id_before and other = '0' and
-                (first_clock = '1' or (id = id_then and other_before = '0'));
+          ok := ok and id = w.id_before and w.other = '0' and
+                (first_clock = '1' or (id = w.id_then and w.other_before = '0'));
         end if;
       end if;
     end if;
@@ -207,13 +192,13 @@ begin
     rests_true <= '1';
     if busy = '0' then
       rests_true <= to_bit(
-        idle = '1' and first_clock = '0' and routine = '0' and bus_open = '0' and
-        given = '0' and (waits = '0' or in_session = '1') and
+        w.idle = '1' and first_clock = '0' and w.routine = '0' and bus_open = '0' and
+        w.given = '0' and (waits = '0' or w.in_session = '1') and
         (begins = '0' or
-         (marks = x"00" and taken = 0 and place_ahead = first_of_entries + to_integer(unsigned(chosen)) and
-          begins_work(to_integer(unsigned(chosen))) and
-          (unsigned(chosen) >= entry_trip or
-           (stands = '1' and unsigned(chosen) = place_of(to_integer(unsigned(waiting))))))));
+         (marks = x"00" and taken = 0 and place_ahead = first_of_entries + to_integer(unsigned(w.chosen)) and
+          begins_work(to_integer(unsigned(w.chosen))) and
+          (unsigned(w.chosen) >= entry_trip or
+           (stands = '1' and unsigned(w.chosen) = place_of(to_integer(unsigned(waiting))))))));
     end if;
   end process;
 
@@ -232,55 +217,55 @@ begin
     impure function work_is(f : facts_t; here : std_ulogic) return boolean is
     begin
       return f(in_routine) = here and
-             ((frame = '0' and f(work_none) = '1') or (frame = '1' and f(work_of(entry)) = '1')) and
+             ((w.frame = '0' and f(work_none) = '1') or (w.frame = '1' and f(work_of(w.entry)) = '1')) and
              only_if(f(is_new), with_id and fresh = '1') and only_if(f(is_repeated), with_id and repeated = '1') and
              only_if(f(is_stale), with_id and (fresh or repeated) = '0') and
-             only_if(f(is_long), with_id and had_id = '1') and
+             only_if(f(is_long), with_id and w.had_id = '1') and
              only_if(f(taken_some), taken /= 0 and not (acts and now(take_f) /= take_nothing)) and
              only_if(f(has_command), commanded = '1') and
-             only_if(f(new_epoch), forgot = '1' or (waits = '1' and in_session = '0'));
+             only_if(f(new_epoch), w.forgot = '1' or (waits = '1' and w.in_session = '0'));
     end function;
 
     impure function id_is(f : facts_t) return boolean is
     begin
       return only_if(f(first), marked = '0') and only_if(f(repeats), marked = '1') and
-             only_if(f(judged_once), marked = '0' and judgements = 1) and
-             only_if(f(judged_twice), marked = '0' and judgements = 2) and
-             only_if(f(unjudged), marked = '0' and (judged = '0' or same_id = '0'));
+             only_if(f(judged_once), marked = '0' and w.judgements = 1) and
+             only_if(f(judged_twice), marked = '0' and w.judgements = 2) and
+             only_if(f(unjudged), marked = '0' and (w.judged = '0' or same_id = '0'));
     end function;
 
     impure function bus_is(f : facts_t) return boolean is
     begin
-      return (accesses = 0 or bus_open = '0') and
-             only_if(f(untouched), accesses = 0 and bus_open = '0') and only_if(f(on_bus), bus_open = '1') and
-             only_if(f(on_bus) or f(touched), accesses = 1) and
-             only_if(f(failing), accesses = 1 and (trouble = 1 or trouble = 2)) and
-             only_if(f(denying), accesses = 1 and trouble = 3) and
-             only_if(f(succeeding), accesses = 1 and trouble = 0) and
-             only_if(f(unopened), opens and accesses = 0 and bus_open = '0');
+      return (w.accesses = 0 or bus_open = '0') and
+             only_if(f(untouched), w.accesses = 0 and bus_open = '0') and only_if(f(on_bus), bus_open = '1') and
+             only_if(f(on_bus) or f(touched), w.accesses = 1) and
+             only_if(f(failing), w.accesses = 1 and (w.trouble = 1 or w.trouble = 2)) and
+             only_if(f(denying), w.accesses = 1 and w.trouble = 3) and
+             only_if(f(succeeding), w.accesses = 1 and w.trouble = 0) and
+             only_if(f(unopened), opens and w.accesses = 0 and bus_open = '0');
     end function;
 
     impure function status_is(f : facts_t; still : effects_t) return boolean is
     begin
-      return only_if(f(untold) or still(will_tell), with_id and accesses = 1 and
+      return only_if(f(untold) or still(will_tell), with_id and w.accesses = 1 and
                                                     data(3 downto 0) /= status) and
-             only_if(f(untrue), accesses = 1 and (still(will_say) = '1' or
-                                                  (kinds /= 0 and kind(3 downto 0) /= status)));
+             only_if(f(untrue), w.accesses = 1 and (still(will_say) = '1' or
+                                                  (w.kinds /= 0 and w.kind(3 downto 0) /= status)));
     end function;
 
     impure function answer_is(f : facts_t; still : effects_t) return boolean is
     begin
       return only_if(f(sending), reply_idle = '0' and not (acts and now(say_f) /= say_nothing)) and
-             only_if(f(unanswered) or still(will_say), with_id and kinds = 0) and
-             ((still(will_say) = '0' and kinds = 0 and given = '0' and f(unsaid) = '1') or
-              (still(will_say) = '0' and kinds = 1 and given = '1' and f(said) = '1') or
-              (still(will_say) = '0' and kinds = 1 and given = '0' and f(ended) = '1') or
-              (still(will_say) = '1' and kinds = 0 and given = '0' and f(said) = '1'));
+             only_if(f(unanswered) or still(will_say), with_id and w.kinds = 0) and
+             ((still(will_say) = '0' and w.kinds = 0 and w.given = '0' and f(unsaid) = '1') or
+              (still(will_say) = '0' and w.kinds = 1 and w.given = '1' and f(said) = '1') or
+              (still(will_say) = '0' and w.kinds = 1 and w.given = '0' and f(ended) = '1') or
+              (still(will_say) = '1' and w.kinds = 0 and w.given = '0' and f(said) = '1'));
     end function;
   begin
-    with_id := frame = '1' and has_id(entry);
-    opens   := frame = '1' and (work_of(entry) = work_read or work_of(entry) = work_write);
-    acts    := idle = '0' and first_clock = '0';  -- in the midst of the instruction
+    with_id := w.frame = '1' and has_id(w.entry);
+    opens   := w.frame = '1' and (work_of(w.entry) = work_read or work_of(w.entry) = work_write);
+    acts    := w.idle = '0' and first_clock = '0';  -- in the midst of the instruction
     work_true   <= '1';
     id_true     <= '1';
     bus_true    <= '1';
@@ -289,12 +274,12 @@ begin
     caller_true <= '1';
     if busy = '1' and starts = '0' then
       f := table(to_integer(place));
-      work_true   <= to_bit(work_is(f, routine));
+      work_true   <= to_bit(work_is(f, w.routine));
       id_true     <= to_bit(id_is(f));
       bus_true    <= to_bit(bus_is(f));
       status_true <= to_bit(status_is(f, no_effects));
       answer_true <= to_bit(answer_is(f, no_effects));
-      if routine = '1' then
+      if w.routine = '1' then
         f := table(to_integer(caller));
         e := effects(to_integer(place));
         caller_true <= f(returned_to) and to_bit(work_is(f, '0') and id_is(f) and bus_is(f) and status_is(f, e) and
@@ -304,33 +289,33 @@ begin
   end process;
 
   -- Registers are as the others say. Marks are only those that this core has.
-  registers_are : assert always begun = '1' -> registers_true = '1';
+  registers_are : assert always w.begun = '1' -> registers_true = '1';
 
   -- While there is work, its frame stands, and is not done.
-  work_stands : assert always begun = '1' -> works_true = '1';
+  work_stands : assert always w.begun = '1' -> works_true = '1';
 
   -- Instructions are executed one after the other, and jump only if their condition holds.
-  steps_are : assert always begun = '1' -> steps_true = '1';
+  steps_are : assert always w.begun = '1' -> steps_true = '1';
 
   -- Without work nothing is open. What begins is the frame that waits, or an event.
-  rests_are : assert always begun = '1' -> rests_true = '1';
+  rests_are : assert always w.begun = '1' -> rests_true = '1';
 
   -- The work is one of those that come to this place, with the verdict that leads here.
-  work_is_true : assert always begun = '1' -> work_true = '1';
+  work_is_true : assert always w.begun = '1' -> work_true = '1';
 
   -- The cache was asked as often as the table says, about this id.
-  id_is_true : assert always begun = '1' -> id_true = '1';
+  id_is_true : assert always w.begun = '1' -> id_true = '1';
 
   -- There was an access or none, as the table says, and it went well or failed.
-  bus_is_true : assert always begun = '1' -> bus_true = '1';
+  bus_is_true : assert always w.begun = '1' -> bus_true = '1';
 
   -- Where the table says so, `data` and the answer have the status of the access.
-  status_is_true : assert always begun = '1' -> status_true = '1';
+  status_is_true : assert always w.begun = '1' -> status_true = '1';
 
   -- There is no answer yet, or it has begun, or it has ended, as the table says.
-  answer_is_true : assert always begun = '1' -> answer_true = '1';
+  answer_is_true : assert always w.begun = '1' -> answer_true = '1';
 
   -- All that is true, too, of the place behind the call, when the routine will be over.
-  caller_is_true : assert always begun = '1' -> caller_true = '1';
+  caller_is_true : assert always w.begun = '1' -> caller_true = '1';
 
 end architecture;

@@ -25,6 +25,36 @@ package frame_works_pkg is
 
   subtype works_t is natural range work_none to work_other;
 
+  -- What the proof knows of the work in hand (frame_work).
+  type frame_work_t is record
+    begun      : std_ulogic;                      -- the reset of power-up is over
+    idle       : std_ulogic;                      -- nothing is executed
+    entry      : natural range 0 to 31;
+    chosen     : entry_t;                         -- what was chosen in the clock before
+    frame      : std_ulogic;                      -- the work is a frame
+    with_id    : std_ulogic;                      -- which is a request with an id
+    had_id     : std_ulogic;                      -- and long enough to have one
+    at_rest    : std_ulogic;                      -- it has ended
+    dones      : natural range 0 to 2;
+    kinds      : natural range 0 to 2;
+    kind       : byte_t;
+    given      : std_ulogic;                      -- the kind of the payload in hand was sent
+    begun_payload : std_ulogic;                   -- and some of its bytes were
+    accesses   : natural range 0 to 2;
+    trouble    : natural range 0 to 3;            -- its access: 1 failed, 2 had no answer, 3 was denied
+    memories   : natural range 0 to 2;            -- how often its id was remembered
+    remembered : std_ulogic_vector(3 downto 0);
+    judgements : natural range 0 to 3;            -- how often the cache was asked
+    judged     : std_ulogic;                      -- the cache has called `judged_id` new
+    judged_id  : std_ulogic_vector(15 downto 0);
+    id_before, id_then : std_ulogic_vector(15 downto 0);
+    other, other_before : std_ulogic;             -- the cache was busy with something else one and two clocks before
+    forgot     : std_ulogic;                      -- the work has made the cache forget a place
+    routine    : std_ulogic;                      -- a routine was called and has not returned
+    in_session : std_ulogic;
+    looked_at, looked_at_next : natural range 0 to 255;  -- the words of the memory
+  end record;
+
   -- Work begins with this entry, in a core without lists and groups. It is a request with an id.
   function begins_work(entry : natural) return boolean;
   function has_id(entry : natural) return boolean;
