@@ -117,7 +117,8 @@ def assign_pins(
     """Give each line its pins. First come the `wishes` ("servos=P1A1,P1A2", "servos[1]=P1B1", "lamp=-").
 
     `components` maps a line to its component of the gateware library. Raises BoardError if the board does not
-    have a pin, if two lines want the same one, if a line does not exist, or if its name tells no pin.
+    have a pin, if two lines want the same one, if a line does not exist, if its name tells no pin, or if a
+    wish names only some outputs of a line.
     """
     names = {line.name: line for line in lines}
     pinout = Pinout(tuple(lines), {line.name: [None] * line.bits for line in lines})
@@ -131,6 +132,8 @@ def assign_pins(
         first = 0 if index is None else index
         if first + len(wanted) > names[name].bits:
             raise BoardError(f"--pin {wish}: {name} has {names[name].bits} bits")
+        if index is None and len(wanted) < names[name].bits and wanted != [OPEN]:
+            _refuse_part(names[name], wish, len(wanted))
         for number, pin_name in enumerate(wanted, first):
             done.add((name, number))
             if pin_name != OPEN:
@@ -163,6 +166,15 @@ def _parsed(wish: str) -> tuple[str, int | None, list[str]]:
             f"--pin {wish}: write PORT=PIN, PORT=PIN,PIN,... or PORT[3]=PIN; {OPEN} is not a pin"
         )
     return found[1].lower(), int(found[2]) if found[2] else None, [pin.strip() for pin in found[3].split(",")]
+
+
+def _refuse_part(line: Line, wish: str, given: int) -> None:
+    """Refuse outputs of which some are forgotten. An input reads 0, and a notice says so."""
+    if line.direction == "out":
+        raise BoardError(
+            f"--pin {wish}: {line.name} has {line.bits} outputs, and {given} are named; name all, "
+            f"with {OPEN} for one that is not connected"
+        )
 
 
 def _take(board: Board, name: str, who: str, taken: dict[str, str]) -> Pin:

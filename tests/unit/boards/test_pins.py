@@ -82,6 +82,18 @@ def test_wishes_that_cannot_be(wishes: list[str], message: str) -> None:
         assign_pins(BOARD, LINES, wishes)
 
 
+def test_outputs_are_given_all_or_by_their_numbers() -> None:
+    """A forgotten gate of a bridge would be a short circuit, or a phase that nobody drives."""
+    lines = [Line("gates", "out", 4), Line("keys", "in", 4)]
+    keys = "keys=BTN1,BTN2"
+    for count, wish in ((1, "gates=P1A1"), (3, "gates=P1A1,P1A2,P1A3"), (2, "gates=-,P1A2")):
+        with pytest.raises(BoardError, match=f"gates has 4 outputs, and {count} are named; name all, with -"):
+            assign_pins(BOARD, lines, [wish, keys])
+    whole = assign_pins(BOARD, lines, ["gates=P1A1,P1A2,P1A3,-", keys])
+    assert whole.notices == ["gates[3]: no pin, is not connected", "keys[2 to 3]: no pin, reads 0"]
+    assert pins(assign_pins(BOARD, lines, ["gates=-", keys])) == {"keys[0]": "BTN1", "keys[1]": "BTN2"}
+
+
 def test_more_ports_than_pins() -> None:
     many = [Line(f"leds_{n}", "out", 7) for n in range(2)]
     with pytest.raises(BoardError, match="leds_1 has no pin: icebreaker has no free pin for leds"):

@@ -18,6 +18,7 @@ from .evaluate import Evaluator, Quantity, Value
 from .vhdl_generics import limits_of
 
 _CLOCK = "clock_hz"
+_CLOCK_MOST_HZ = (1 << 31) - 1  # the largest number of VHDL
 
 
 def check_ranges(
@@ -47,7 +48,13 @@ def check_limit(node: AnnotationNode, evaluator: Evaluator, names: Mapping[str, 
     bounds = {one.key.text: one for one in node.arguments if one.key is not None}
     if is_clock(subject):
         least = evaluator.value(bounds["least"], names)
-        return math.ceil(least) if isinstance(least, (int, Fraction)) else 0
+        least_hz = math.ceil(least) if isinstance(least, (int, Fraction)) else 0
+        if least_hz > _CLOCK_MOST_HZ:
+            message = f"it needs a clock of at least {least_hz:,} Hz"
+            hint = f"no clock has more than {_CLOCK_MOST_HZ:,} Hz; choose a lower rate"
+            bound = bounds["least"]
+            evaluator.reporter.report("UL049", bound.parts[0].start, bound.end, message, hint)
+        return least_hz
     value = evaluator.value(subject, names)
     for key, bound in bounds.items():
         limit = evaluator.value(bound, names)
