@@ -143,12 +143,15 @@ def assign_pins(
     for line in lines:
         if {(line.name, number) for number in range(line.bits)} <= done:
             continue
-        role = role_of(line.name, (components or {}).get(line.name, ""), line.direction)
+        component = (components or {}).get(line.name, "")
+        role = role_of(line.name, component, line.direction)
         free = [pin for pin in (board.roles[role] if role else ()) if board.pins[pin].site not in taken]
-        if not free:
+        open_bits = [number for number in range(line.bits) if (line.name, number) not in done]
+        needed = len(open_bits) if component and line.direction == "out" else 1  # all gates, but not all LEDs
+        if len(free) < needed:
             raise BoardError(_no_pin(board, line, role, taken))
-        for number in range(line.bits):
-            if (line.name, number) not in done and free:
+        for number in open_bits:
+            if free:
                 pinout.pins[line.name][number] = _take(board, free.pop(0), line.name, taken)
     pinout.notices += [
         f"{pin}: nothing drives it, because the design has no port {TRIPPED}"
@@ -198,7 +201,9 @@ def _take(board: Board, name: str, who: str, taken: dict[str, str]) -> Pin:
 
 def _no_pin(board: Board, line: Line, role: str | None, taken: Mapping[str, str]) -> str:
     free = [pin.name for pin in board.pins.values() if pin.site not in taken]
-    why = f"{board.name} has no free pin for {role}" if role else "its name gives none"
+    few = any(board.pins[pin].site not in taken for pin in board.roles[role]) if role else False
+    lacks = "too few free pins" if few else "no free pin"
+    why = f"{board.name} has {lacks} for {role}" if role else "its name gives none"
     return (
         f"the port {line.name} has no pin: {why}; say --pin {line.name}=PIN "
         f"({OPEN} for none). Free: {', '.join(free)}"

@@ -94,6 +94,18 @@ def test_outputs_are_given_all_or_by_their_numbers() -> None:
     assert pins(assign_pins(BOARD, lines, ["gates=-", keys])) == {"keys[0]": "BTN1", "keys[1]": "BTN2"}
 
 
+def test_a_component_gets_pins_for_all_its_outputs() -> None:
+    few = replace(BOARD, roles={**BOARD.roles, "pwm": ("P1A1", "P1A2", "P1A3"), "leds": ("LED1",)})
+    gates = Line("motor", "out", 4)
+    with pytest.raises(
+        BoardError, match="motor has no pin: icebreaker has too few free pins for pwm; say --pin"
+    ):
+        assign_pins(few, [gates], [], {"motor": "h_bridge"})
+    given = assign_pins(few, [gates], ["motor[3]=P1B1"], {"motor": "h_bridge"})
+    assert [pin.name for pin in given.pins["motor"] if pin] == ["P1A1", "P1A2", "P1A3", "P1B1"]
+    assert assign_pins(few, [Line("leds", "out", 2)], []).notices == ["leds[1]: no pin, is not connected"]
+
+
 def test_more_ports_than_pins() -> None:
     many = [Line(f"leds_{n}", "out", 7) for n in range(2)]
     with pytest.raises(BoardError, match="leds_1 has no pin: icebreaker has no free pin for leds"):
