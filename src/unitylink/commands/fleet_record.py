@@ -35,11 +35,19 @@ _TICK_S = 0.1
 
 @dataclass
 class Heard:
-    """What the threads of the robots hand to the one that writes."""
+    """What the threads of the robots hand to the one that writes.
+
+    The clock of the machine is looked at once. So if it is set meanwhile, no sample loses its place.
+    """
 
     stop: threading.Event
+    since_1970_s: float = field(default_factory=lambda: time.time() - time.monotonic())
     samples: queue.SimpleQueue[Sample] = field(default_factory=queue.SimpleQueue)
     topics: dict[tuple[str, ...], str] = field(default_factory=dict)
+
+    def now_s(self) -> float:
+        """Return the time of the recording, in s since 1970."""
+        return self.since_1970_s + time.monotonic()
 
 
 class RobotTaker(threading.Thread):
@@ -78,7 +86,7 @@ class RobotTaker(threading.Thread):
         items = target.names.all()
         texts = {item.name: item.quantity for item in items if item.quantity.type.kind in NOT_PLAIN}
         publishes = {item.name: item.element.publish for item in items if item.element is not None}
-        since_1970_s = time.time() - target.link.now_s()
+        since_1970_s = self._heard.now_s() - target.link.now_s()
         name = self.robot.name
         try:
             with sampler:
@@ -192,7 +200,7 @@ def _write(heard: Heard, writer: Writer, duration_s: float | None, takers: Seque
         except queue.Empty:
             if over:
                 break
-        while (sample_due := held.take(time.time())) is not None:
+        while (sample_due := held.take(heard.now_s())) is not None:
             writer.add(sample_due)
         if now_s - flushed_s > _FLUSH_S:
             flushed_s = now_s

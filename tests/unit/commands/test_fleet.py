@@ -9,9 +9,11 @@ from pathlib import Path
 import click
 import pytest
 
+from unitylink.commands import fleet_record
 from unitylink.commands.fleet_record import Heard, RobotTaker
 from unitylink.commands.fleet_table import News
 from unitylink.fleet.reader import parse_fleet
+from unitylink.recording import Sample
 from unitylink.zenoh.far_options import read_far_url
 
 
@@ -37,3 +39,26 @@ def test_a_folder_with_letters_that_mean_something_in_a_url(tmp_path: Path) -> N
     fleet = parse_fleet(text, folder / "fleet.toml")
     taker = RobotTaker(fleet, fleet.robots[0], 10.0, Heard(threading.Event()), "")
     assert read_far_url(taker._url).network.config == str(folder / "z.json5")
+
+
+@pytest.mark.parametrize("jump_s", [-3600.0, 3600.0])
+def test_a_clock_that_is_set_takes_no_sample_of_a_recording(
+    monkeypatch: pytest.MonkeyPatch, jump_s: float
+) -> None:
+    written: list[float] = []
+
+    class Out:
+        def add(self, sample: Sample) -> None:
+            written.append(sample.time_s)
+
+        def flush(self) -> None: ...
+
+    heard = Heard(threading.Event())
+    old_s = heard.now_s() - 10.0  # they have been held for long enough
+    now_s = fleet_record.time.time() + jump_s
+    monkeypatch.setattr(fleet_record.time, "time", lambda: now_s)
+    fresh_s = heard.now_s()
+    for time_s in (old_s, fresh_s, fresh_s - 0.01):  # of two robots, the second one a little later
+        heard.samples.put(Sample(time_s, {}))
+    assert fleet_record._write(heard, Out(), 0.0, []) == 0  # type: ignore[arg-type]
+    assert written == [old_s, fresh_s - 0.01, fresh_s]

@@ -411,6 +411,25 @@ def _passes(act: Any) -> bool:
     return True
 
 
+def test_who_looks_at_all_keys_stops_no_robot(rig: Rig) -> None:
+    """Tools for Zenoh list a network by such queries, and storages put and ask by wildcards."""
+
+    def refused() -> int:
+        return int(rig.bridge.refusals.report().get("wildcard", {"count": 0})["count"])
+
+    before = refused()
+    with rig.network.opened() as session:
+        for everything in ("lab/**", "lab/arm1/*"):
+            assert "lab/arm1/stop" not in [str(one.ok.key_expr) for one in session.get(everything) if one.ok]
+            session.put(everything, b"")
+        until(lambda: refused() >= before + 10)  # each: two hellos, two stops, a set-point
+        assert rig.bridge.state()["stopped_by"] == ""
+        (reply,) = session.get("lab/*/stop", timeout=2.0)  # all robots, and said so
+        assert json.loads(reply.ok.payload.to_bytes()) == {"outputs": 3}
+    with connect(rig.url()) as link:
+        link.arm()
+
+
 def test_everybody_on_the_network_may_stop_the_robot(rig: Rig) -> None:
     """A stop needs no hello and no lease."""
     with rig.network.opened() as session:

@@ -9,9 +9,9 @@ import queue
 import threading
 from typing import TYPE_CHECKING
 
-from unitylink.errors import UnityLinkError
+from unitylink.errors import ProtocolError, UnityLinkError
 
-from .queries import Queries, reason_of
+from .queries import Queries, Refused, reason_of
 
 if TYPE_CHECKING:
     import zenoh
@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 
 class Stops:
-    """Takes stops at `key`, by threads of their own. Everybody on the network may stop the robot."""
+    """Takes stops at `key`, by threads of their own. Everybody on the network may stop the robot.
+
+    A key with a wildcard stops only if its last part is that of `key`: `lab/*/stop` does, `lab/**` does not.
+    Who looks around on the network asks for all keys, and means no stop.
+    """
 
     def __init__(
         self, session: zenoh.Session, key: str, executor: Executor, guests: Guests, refusals: Refusals
@@ -42,11 +46,19 @@ class Stops:
         self._thread.join()
 
     def _answer(self, query: zenoh.Query) -> None:
+        if not self._meant(str(query.key_expr)):
+            raise Refused("wildcard", ProtocolError(f"a stop is for {self._key}, and named by its last part"))
         query.reply(self._key, json.dumps({"outputs": self._stop()}))
 
-    def _take(self, _: zenoh.Sample) -> None:
+    def _take(self, sample: zenoh.Sample) -> None:
+        if not self._meant(key := str(sample.key_expr)):
+            return self._refusals.add("wildcard", f"{key}: a stop is named by the last part of its key")
         with contextlib.suppress(queue.Full):  # another stop is about to begin
             self._puts.put_nowait(True)
+        return None
+
+    def _meant(self, key: str) -> bool:
+        return key.rpartition("/")[2] == self._key.rpartition("/")[2]
 
     def _work(self) -> None:
         while self._puts.get():
