@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model of stepgen.vhd: the bus, the limits and the latches. Motion and ramp are beside it. It runs clock by clock
-// while the ramp computes or a pin changes, and skips the base periods between. While all axes rest it runs no clock.
+// The model of stepgen.vhd: the bus, the limits and the latches. Motion and ramp are beside it. It plays whole base
+// periods at once, with their steps, and the ramp with them where no position counts. Around what comes from outside,
+// and for a ramp that looks at a position, it runs clock by clock. While all axes rest it runs no clock.
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "device/component/component.hpp"
@@ -57,25 +59,92 @@ class Stepgen final : public Component {
 
   [[nodiscard]] std::uint32_t all() const noexcept { return (1u << rates_.axes) - 1u; }
 
-  // Whole base periods in which nothing can be seen from outside, until this clock. 0: the next clock matters.
-  [[nodiscard]] std::uint64_t skippable(Clock until) const noexcept {
-    const Clock filtered = filter_.next();
-    if (now_ < rates_.clearing_clocks || !ramp_.is_waiting() || is_watching_ || catches_ != 0 || filtered <= now_) {
-      return 0;
+  // Does nothing come from outside or between the units, so that whole base periods may be played?
+  [[nodiscard]] bool is_smooth() const noexcept {
+    return now_ >= rates_.clearing_clocks && ramp_.is_waiting() && !is_watching_ && catches_ == 0 &&
+           filter_.next() > now_;
+  }
+  // Base periods that end before this clock for certain.
+  [[nodiscard]] std::uint64_t periods_before(Clock until) const noexcept {
+    return (std::min(until, filter_.next()) - now_) / (rates_.short_clocks + 1);
+  }
+  // The axes whose next step changes more than the position: a limit halts them.
+  [[nodiscard]] std::uint32_t halting() const noexcept {
+    std::uint32_t result = 0;
+    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
+      const bool halts = (words_[axis][control] & 4u) != 0 && (level(0, axis) || level(1, axis));
+      result |= halts ? 1u << axis : 0;
     }
-    const std::uint64_t most = (std::min(until, filtered) - now_) / (rates_.short_clocks + 1);
-    return motion_.quiet_periods(ramp_.bank(), std::min<std::uint64_t>(ramp_.periods_to_tick(), most));
+    return result;
+  }
+
+  // Whole base periods are played until this clock. False: the next clock matters.
+  bool play(Clock until) {
+    if (!is_smooth()) {
+      return false;
+    }
+    const std::uint64_t most = periods_before(until);
+    const std::uint64_t to_tick = ramp_.periods_to_tick();
+    // nothing from outside may come before the end of the ramp
+    const bool ramps = most > to_tick + ramp_.periods();
+    const std::uint64_t wanted = std::min(most, to_tick + (ramps ? 1 : 0));
+    const std::uint64_t periods = motion_.playable_periods(ramp_.bank(), wanted, halting());
+    if (periods == 0) {
+      return false;
+    }
+    std::optional<StepgenRamp::Outcome> outcome;
+    if (periods > to_tick) {
+      outcome = ramp_.outcome(words_, motion_, all() & ~halted_, shifting_);
+    }
+    const std::uint64_t played = periods > to_tick && !outcome ? to_tick : periods;
+    if (played == 0) {
+      return false;
+    }
+    const Clock from = now_;
+    now_ += motion_.periods().clocks_of(played);
+    motion_.play(ramp_.bank(), played, [this, from](std::uint32_t pin, bool level, Clock clocks) {
+      output(pin, level, from + clocks);
+      rest_.show();
+    });
+    pins_ = motion_.pins();
+    if (outcome) {
+      ramp_.finish(*outcome, words_, motion_);
+    } else {
+      ramp_.skip(played);
+    }
+    return true;
+  }
+
+  // Does anybody watch a pin?
+  [[nodiscard]] bool shows() const noexcept {
+    bool result = false;
+    for (std::uint32_t pin = 0; pin < 2 * rates_.axes; ++pin) {
+      result = result || is_watched(pin);
+    }
+    return result;
   }
 
   [[nodiscard]] Clock next() const noexcept override {
     if (rest_.rests()) {
       return never;
     }
-    const std::uint64_t periods = skippable(never);
-    return now_ + (periods == 0 ? 0 : motion_.clocks_of(periods));
+    if (!is_heard()) {
+      return now_ + lag_most;
+    }
+    if (!is_smooth() || !motion_.begins()) {
+      return now_;
+    }
+    std::uint64_t periods = ramp_.periods_to_tick();
+    if (shows()) {
+      periods = motion_.quiet_periods(ramp_.bank(), std::min(periods, periods_before(never)));
+    } else {
+      periods += std::uint64_t{ramp_.periods()} * ramp_.unsettling(words_);
+    }
+    return now_ + std::min(motion_.periods().clocks_of(periods), lag_most);
   }
 
   void step(Clock edge) override { run_until(edge + 1); }
+  void arrive(Clock state) override { run_until(state); }
 
   void run_until(Clock state) {
     while (now_ < state) {
@@ -93,14 +162,9 @@ class Stepgen final : public Component {
           break;
         }
       }
-      const std::uint64_t periods = skippable(std::min(state, rest_.due()));
-      if (periods == 0) {
+      if (!play(std::min(state, rest_.due()))) {
         clock();
-        continue;
       }
-      now_ += motion_.clocks_of(periods);
-      motion_.skip(ramp_.bank(), periods);
-      ramp_.skip(periods);
     }
   }
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The model of stepgen_motion.vhd: slots of one clock, each of them one operation on a word. Its names are those of the
-// VHDL. `skip` is what the VHDL does in whole base periods without a step.
+// VHDL. `play` is what the VHDL does in many whole base periods.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdlib>
-#include <numeric>
 
-#include "stepgen_pulse.hpp"
+#include "stepgen_train.hpp"
 
 namespace unitylink::device {
 
@@ -39,17 +37,10 @@ class StepgenMotion {
     std::uint32_t caught = 0;
   };
 
-  StepgenMotion(const ComponentConfiguration& from, const StepgenRates& rates) : rates_(rates) {
+  StepgenMotion(const ComponentConfiguration& from, const StepgenRates& rates) : rates_(rates), periods_(rates) {
     for (StepgenPulse& pulse : pulses_) {
       pulse.configure(from);
     }
-    std::uint32_t common = 0;
-    while (common < rates.base_bits && (rates.clock_hz >> common) % 2 == 0) {
-      ++common;
-    }
-    gain_ = std::int64_t{1} << (rates.base_bits - common);
-    loss_ = rates.clock_hz >> common;
-    owed_ = gain_ - loss_;
     positions_at_ = phases_at + std::max(rates.axes, 3u);
     pins_ = ((1u << rates.axes) - 1u) << rates.axes;  // all go up at first
   }
@@ -58,10 +49,7 @@ class StepgenMotion {
 
   // Does a base period begin, with no operation under way?
   [[nodiscard]] bool begins() const noexcept { return slot_ == 0 && then_ == Kind::idle && last_ == Kind::idle; }
-  // The clocks after which the base periods have the same lengths again.
-  [[nodiscard]] Clock cycle_clocks(std::uint32_t periods) const noexcept {
-    return static_cast<Clock>(loss_) * (periods / std::gcd(static_cast<std::uint32_t>(gain_), periods));
-  }
+  [[nodiscard]] const StepgenPeriods& periods() const noexcept { return periods_; }
   // Only the time goes on.
   void pass(Clock clocks) noexcept { memory_[now][0] += static_cast<std::uint32_t>(clocks); }
 
@@ -89,7 +77,7 @@ class StepgenMotion {
     const bool ask = asks();
     const bool taken = ask && pulses_[axis_last_].takes(down);
     const bool store = stores();
-    told.base = owed_ >= 0;
+    told.base = periods_.ends();
     told.stepped = taken;
     told.down = down;
     told.axis = axis_last_;
@@ -137,7 +125,7 @@ class StepgenMotion {
     if (slot_ == 0) {
       first_ = false;
     }
-    owed_ += told.base ? gain_ - loss_ : gain_;
+    periods_.clock();
     if (told.base) {
       was_long_ = slot_ == rates_.short_clocks;
       slot_ = 0;
@@ -154,11 +142,10 @@ class StepgenMotion {
       return 0;
     }
     for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
-      const auto velocity = static_cast<std::int32_t>(velocities_[bank ? 1 : 0][axis]);
-      const std::uint64_t at = memory_[phase][axis] & phase_mask();
-      if (velocity != 0) {
-        const std::uint64_t way = velocity > 0 ? phase_mask() - at : at;
-        most = std::min(most, way / static_cast<std::uint64_t>(std::abs(std::int64_t{velocity})));
+      const StepgenWay way(velocities_[bank ? 1 : 0][axis]);
+      if (way.speed != 0) {
+        const std::uint32_t at = memory_[phase][axis] & phase_mask();
+        most = std::min<std::uint64_t>(most, way.periods_before_step(at, phase_mask()));
       }
       if (!pulses_[axis].is_quiet()) {
         return 0;
@@ -166,27 +153,63 @@ class StepgenMotion {
     }
     return most;
   }
-  // The clocks of `periods` base periods from the first slot on.
-  [[nodiscard]] Clock clocks_of(std::uint64_t periods) const noexcept {
-    return static_cast<Clock>((loss_ * static_cast<std::int64_t>(periods - 1) - owed_ + gain_ - 1) / gain_) + 1;
-  }
-  void skip(bool bank, std::uint64_t periods) noexcept {
-    const Clock clocks = clocks_of(periods);
-    const Clock before_last = periods > 1 ? clocks_of(periods - 1) : 0;
-    memory_[now][0] += static_cast<std::uint32_t>(rates_.short_clocks + (was_long_ ? 1 : 0) + before_last);
-    was_long_ = clocks - before_last == rates_.short_clocks + 1;
-    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
-      std::uint32_t& at = memory_[phase][axis];
-      at = (at & phase_mask()) + static_cast<std::uint32_t>(periods) * velocities_[bank ? 1 : 0][axis];
-      pulses_[axis].skip(clocks);
+  // How many whole base periods, at most `most`, begin here that `play` can do? In these each step that is due is taken
+  // at once. A bit of `halting` is an axis for which a step would change more than its position.
+  [[nodiscard]] std::uint64_t playable_periods(bool bank, std::uint64_t most, std::uint32_t halting) const noexcept {
+    const auto is_known = [](Kind kind) { return kind == Kind::idle || kind == Kind::position; };
+    if (slot_ != 0 || first_ || moved_ != 0 || !is_known(then_) || !is_known(last_)) {
+      return 0;
     }
-    owed_ += gain_ * static_cast<std::int64_t>(clocks) - loss_ * static_cast<std::int64_t>(periods);
+    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
+      const StepgenPulse& pulse = pulses_[axis];
+      if (pulse.is_holding()) {
+        return 0;
+      }
+      const StepgenWay way(velocities_[bank ? 1 : 0][axis]);
+      if (way.speed == 0) {
+        continue;
+      }
+      const std::uint64_t before = way.periods_before_step(memory_[phase][axis] & phase_mask(), phase_mask());
+      if (before >= most) {
+        continue;
+      }
+      const std::uint64_t least_clocks = (phase_mask() / way.speed) * std::uint64_t{rates_.short_clocks};
+      const bool is_ready = periods_.clocks_of(before) + asks_at + axis >= pulse.clocks_to_ready();
+      if (way.down == pulse.direction() || (halting >> axis & 1u) != 0 || least_clocks < pulse.whole_clocks() ||
+          !is_ready) {
+        most = before;
+      }
+    }
+    return most;
+  }
+  // What the VHDL does in `periods` base periods, but for looks. Calls tell(pin, level, clocks): a pin changes in the
+  // clock after so many, in the order of time for each axis. At most playable_periods.
+  template <typename Tell>
+  void play(bool bank, std::uint64_t periods, const Tell& tell) {
+    finish_positions();
+    const Clock before_last = periods_.clocks_of(periods - 1);
+    const auto last_clocks = static_cast<std::uint32_t>(periods_.clocks_of(periods) - before_last);
+    memory_[now][0] += static_cast<std::uint32_t>(rates_.short_clocks + (was_long_ ? 1 : 0) + before_last);
+    was_long_ = last_clocks == rates_.short_clocks + 1;
+    for (std::uint32_t axis = 0; axis < rates_.axes; ++axis) {
+      StepgenTrain train{StepgenWay(velocities_[bank ? 1 : 0][axis]), phase_mask(), memory_[phase][axis]};
+      train.play(pulses_[axis], periods_, periods, asks_at + axis,
+                 [&tell, axis](bool level, Clock clocks) { tell(axis, level, clocks); });
+      memory_[phase][axis] = train.at;
+      pins_ = (pins_ & ~(1u << axis)) | (pulses_[axis].step() ? 1u << axis : 0u);
+      count(axis, train, last_clocks);
+    }
+    periods_.skip(periods);
     served_ = static_cast<std::uint32_t>((served_ + periods) % rates_.axes);
+  }
+  void put_velocity(bool bank, std::uint32_t axis, std::uint32_t velocity) noexcept {
+    velocities_[bank ? 0 : 1][axis] = velocity;
   }
 
  private:
   enum class Kind { idle, other, phase, position, latch_position, latch_stamp, shift };
   static constexpr std::uint32_t phases_at = 3;
+  static constexpr std::uint32_t asks_at = phases_at + 2;  // axis 0 for a step
 
   struct Place {
     Part part = position;
@@ -200,6 +223,41 @@ class StepgenMotion {
     Place from, to;
     std::uint32_t term = 0;
   };
+
+  // Nobody looks before the positions that are under way are stored.
+  void finish_positions() noexcept {
+    if (last_ == Kind::position) {
+      memory_[to_last_.part][to_last_.axis] = sum_;
+    }
+    if (then_ == Kind::position) {
+      memory_[to_then_.part][to_then_.axis] = word_ + term_;
+    }
+    last_ = then_ = Kind::idle;
+  }
+
+  // The position after the steps of a train. A step of the last period may still be under way.
+  void count(std::uint32_t axis, const StepgenTrain& train, std::uint32_t last_clocks) noexcept {
+    const std::uint32_t term = train.way.down ? ~0u : 1u;
+    std::uint32_t& all = memory_[position][axis];
+    const std::uint32_t slot = positions_at_ + axis;
+    if (!train.ends_with_step || slot + 2 < last_clocks) {
+      all += term * train.steps;
+      return;
+    }
+    all += term * (train.steps - 1);
+    if (slot + 1 == last_clocks) {
+      then_ = Kind::position;
+      axis_then_ = axis;
+      to_then_ = {position, axis};
+      word_ = all;
+      term_ = term;
+    } else {
+      last_ = Kind::position;
+      axis_last_ = axis;
+      to_last_ = {position, axis};
+      sum_ = all + term;
+    }
+  }
 
   void clock_pulse(std::uint32_t axis, bool asked, bool down) noexcept {
     StepgenPulse& pulse = pulses_[axis];
@@ -252,7 +310,7 @@ class StepgenMotion {
   }
 
   StepgenRates rates_;
-  std::int64_t gain_ = 1, loss_ = 1, owed_ = 0;
+  StepgenPeriods periods_;
   std::uint32_t positions_at_ = 0;
   std::array<std::array<std::uint32_t, most_axes>, 5> memory_{};
   std::array<std::array<std::uint32_t, most_axes>, 2> velocities_{};

@@ -73,7 +73,33 @@ class StepgenPulse {
   [[nodiscard]] bool is_resting() const noexcept { return timer_ == 0 && is_quiet(); }
   // Nothing changes by itself but the timer.
   [[nodiscard]] bool is_quiet() const noexcept { return !step_ && state_ != State::holding; }
-  void skip(Clock clocks) noexcept { timer_ -= static_cast<std::uint32_t>(std::min<Clock>(clocks, timer_)); }
+  [[nodiscard]] bool is_holding() const noexcept { return state_ == State::holding; }
+  // The clocks of a whole pulse: until the next one may begin.
+  [[nodiscard]] std::uint32_t whole_clocks() const noexcept { return length_ + space_; }
+  [[nodiscard]] std::uint32_t length_clocks() const noexcept { return length_; }
+  // The clocks before the one in which STEP falls.
+  [[nodiscard]] Clock clocks_to_fall() const noexcept { return step_ ? timer_ : never; }
+  // The clocks before the first one that can take a step.
+  [[nodiscard]] Clock clocks_to_ready() const noexcept { return timer_ + (step_ ? space_ : 0); }
+  // The same as so many calls of `clock` in which nobody asks. Not while it is holding.
+  void skip(Clock clocks) noexcept {
+    if (step_) {
+      if (clocks <= timer_) {
+        timer_ -= static_cast<std::uint32_t>(clocks);
+        return;
+      }
+      clocks -= timer_ + 1;
+      step_ = false;
+      timer_ = space_ - 1;
+    }
+    timer_ -= static_cast<std::uint32_t>(std::min<Clock>(clocks, timer_));
+  }
+  // Takes a step that may be taken.
+  void begin() noexcept {
+    step_ = true;
+    timer_ = length_ - 1;
+    state_ = State::resting;
+  }
 
   void clock(bool asked, bool down) noexcept {
     const bool taken = asked && takes(down);
@@ -87,9 +113,7 @@ class StepgenPulse {
       timer_ = setup_ - 1;
       state_ = State::setting;
     } else if (taken) {
-      step_ = true;
-      timer_ = length_ - 1;
-      state_ = State::resting;
+      begin();
     } else if (asked) {
       timer_ = hold_ - 1;
       state_ = State::holding;

@@ -2,8 +2,10 @@
 // The model of stepgen_ramp.vhd, state by state. Its names are those of the VHDL.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "stepgen_motion.hpp"
 
@@ -111,7 +113,68 @@ class StepgenRamp {
 
   // Whole base periods pass while it waits. At most as many as before the tick.
   [[nodiscard]] std::uint32_t periods_to_tick() const noexcept { return count_mask_ - count_; }
+  [[nodiscard]] std::uint32_t periods() const noexcept { return count_mask_ + 1; }  // of a ramp
   void skip(std::uint64_t periods) noexcept { count_ += static_cast<std::uint32_t>(periods); }
+
+  // What the next ramp will write. It looks at no position, so the clock in which it does so makes no difference.
+  struct Outcome {
+    std::array<std::uint32_t, StepgenMotion::most_axes> goals{}, velocities{};
+    bool arrived = false;
+  };
+  // Nothing: it must be run clock by clock, because a position or a phase counts, or because a flag changes.
+  [[nodiscard]] std::optional<Outcome> outcome(const Words& words, const StepgenMotion& motion, std::uint32_t enabled,
+                                               std::uint32_t shifting) const noexcept {
+    Outcome result;
+    result.arrived = arrived_;
+    for (std::uint32_t axis = 0; axis < axes_; ++axis) {
+      const auto& word = words[axis];
+      const bool goes = (word[control] & 1u) != 0 && (enabled >> axis & 1u) != 0;
+      if ((word[control] & 2u) == 0) {
+        if (goes || word[velocity] != 0 || word[next] != 0) {
+          return {};
+        }
+        result.arrived = word[target] == motion.word(axis, StepgenMotion::position);
+      }
+      result.goals[axis] = goes ? limited(word[velocity_target], word[speed]) : 0;
+      // the tick makes the following one the current one
+      result.velocities[axis] = approached(word[following()], result.goals[axis], word[acceleration]);
+      const std::uint32_t bit = 1u << axis;
+      const bool moves = result.velocities[axis] != 0 || (turning_ & bit) != 0;
+      if ((shifting & bit) != 0 || moves != ((moving_ & bit) != 0) || result.arrived != is_near(axis)) {
+        return {};
+      }
+    }
+    return result;
+  }
+  // The tick, and all that the ramp does after it.
+  void finish(const Outcome& made, Words& words, StepgenMotion& motion) noexcept {
+    bank_ = !bank_;
+    count_ = 0;
+    arrived_ = made.arrived;
+    for (std::uint32_t axis = 0; axis < axes_; ++axis) {
+      const std::uint32_t bit = 1u << axis;
+      words[axis][goal] = made.goals[axis];
+      words[axis][following()] = made.velocities[axis];
+      motion.put_velocity(bank_, axis, made.velocities[axis]);
+      turning_ = made.velocities[axis] != 0 ? turning_ | bit : turning_ & ~bit;
+    }
+  }
+  // The least number of ramps after the next tick in which no axis settles.
+  [[nodiscard]] std::uint32_t unsettling(const Words& words) const noexcept {
+    std::uint32_t least = most_unsettling;
+    for (std::uint32_t axis = 0; axis < axes_; ++axis) {
+      const auto& word = words[axis];
+      const std::uint32_t from = word[following()];
+      const std::uint32_t speed_now = from >> 31 != 0 ? 0u - from : from;
+      const bool is_off = (word[control] & 1u) == 0 && word[velocity] == 0 && word[next] == 0;
+      if ((moving_ >> axis & 1u) != 0) {
+        least = std::min(least, speed_now == 0 ? 0 : (speed_now - 1) / std::max(1u, word[acceleration]));
+      } else if (!is_off) {
+        least = std::min(least, 2u);  // it moves in one, does not in the next, and settles in the third
+      }
+    }
+    return least;
+  }
 
  private:
   enum class State {
@@ -151,6 +214,7 @@ class StepgenRamp {
     bool from_motion = false;
     bool operator==(const Instruction&) const = default;
   };
+  static constexpr std::uint32_t most_unsettling = 1u << 14;  // a second
   static constexpr std::uint32_t speed_bits = 28;
   static constexpr std::uint32_t speed_mask = (1u << speed_bits) - 1u;
   static constexpr std::uint32_t way_bits = 40;
@@ -180,6 +244,17 @@ class StepgenRamp {
   }
   [[nodiscard]] Word current() const noexcept { return bank_ ? next : velocity; }
   [[nodiscard]] Word following() const noexcept { return bank_ ? velocity : next; }
+  [[nodiscard]] static std::uint32_t limited(std::uint32_t asked, std::uint32_t most) noexcept {
+    const bool down = asked >> 31 != 0;
+    const bool is_less = ((down ? asked + most : asked - most) >> 31 != 0) != down;
+    return is_less ? asked : down ? 0u - most : most;
+  }
+  [[nodiscard]] static std::uint32_t approached(std::uint32_t from, std::uint32_t goal, std::uint32_t most) noexcept {
+    const std::uint32_t change = goal - from;
+    const bool slower = change >> 31 != 0;
+    const bool is_less = ((slower ? change + most : change - most) >> 31 != 0) != slower;
+    return is_less ? goal : slower ? from - most : from + most;
+  }
   [[nodiscard]] static bool is_certain(std::uint32_t sum) noexcept { return sum >> 29 != 0 && sum >> 29 != 7; }
 
   [[nodiscard]] Instruction instruction(std::uint32_t sum) const noexcept {

@@ -23,7 +23,7 @@ class StepgenRest {
   };
 
   explicit StepgenRest(const StepgenRates& rates, const StepgenMotion& motion)
-      : cycle_clocks_(motion.cycle_clocks(periods_of_both_banks * rates.axes)) {}
+      : cycle_clocks_(motion.periods().cycle_clocks(periods_of_both_banks * rates.axes)) {}
 
   [[nodiscard]] bool rests() const noexcept { return rests_; }
   // The clock in which the next look is due.

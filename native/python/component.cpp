@@ -73,7 +73,9 @@ using Seen = std::tuple<Clock, char, std::uint32_t, std::uint32_t>;
 // `m` leads the modulator at an input: number is the input and 256 times the clocks that it takes, value the level. The
 // clock of the modulators is the first output. With `draws` the model takes their bits by itself, and nobody watches
 // this clock. Else they are driven, and `p` is what was driven.
-std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end, bool draws) {
+//
+// With `late` nobody waits for a pin, so the model may compute its changes when it is asked for something else.
+std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, Clock end, bool draws, bool late) {
   std::vector<Seen> seen;
   std::map<std::uint32_t, Modulator> modulators;
   const auto modulator = [&](std::uint32_t pin, Clock at) -> Modulator& {
@@ -97,7 +99,8 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
     if (model.outputs()[pin].level()) {
       seen.emplace_back(0, 'o', pin, 1);
     }
-    model.outputs()[pin].watch([&seen, pin](bool level, Clock state) { seen.emplace_back(state, 'o', pin, level); });
+    model.outputs()[pin].watch([&seen, pin](bool level, Clock state) { seen.emplace_back(state, 'o', pin, level); },
+                               !late);
   }
   const auto pins = static_cast<std::uint32_t>(model.outputs().size());
   for (std::uint32_t wire = 0; wire < model.wires_out(); ++wire) {
@@ -145,6 +148,9 @@ std::vector<Seen> play(Component& model, const std::vector<Stimulus>& stimuli, C
     }
   }
   model.advance(end);
+  for (std::uint32_t pin = 0; late && pin < model.outputs().size(); ++pin) {
+    model.output_at(pin, end);
+  }
   for (const auto& [pin, one] : modulators) {
     model.draw_bits(pin, nullptr, end);
   }
@@ -180,19 +186,19 @@ void bind_component(nb::module_& module) {
           "play",
           [](ComponentModel& self,
              const std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>>& told, Clock end,
-             bool draws) {
+             bool draws, bool late) {
             std::vector<Stimulus> stimuli;
             stimuli.reserve(told.size());
             for (const auto& [at, what, number, value] : told) {
               stimuli.emplace_back(at, what.at(0), number, value);
             }
             std::vector<std::tuple<Clock, std::string, std::uint32_t, std::uint32_t>> result;
-            for (const auto& [at, what, number, value] : play(*self.model, stimuli, end, draws)) {
+            for (const auto& [at, what, number, value] : play(*self.model, stimuli, end, draws, late)) {
               result.emplace_back(at, std::string(1, what), number, value);
             }
             return result;
           },
-          nb::arg("stimuli"), nb::arg("end"), nb::arg("draws") = false,
+          nb::arg("stimuli"), nb::arg("end"), nb::arg("draws") = false, nb::arg("late") = false,
           "Plays (clock, what, number, value); gives what pins, bus and events do.");
   module.def(
       "has_component_model",

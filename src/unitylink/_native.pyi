@@ -208,7 +208,11 @@ class ServedDevice:
 class ComponentModel:
     def __init__(self, configuration: object, data_bits: int = 32) -> None: ...
     def play(
-        self, stimuli: Sequence[tuple[int, str, int, int]], end: int, draws: bool = False
+        self,
+        stimuli: Sequence[tuple[int, str, int, int]],
+        end: int,
+        draws: bool = False,
+        late: bool = False,
     ) -> list[tuple[int, str, int, int]]: ...
 
 def has_component_model(entity: str) -> bool: ...

@@ -178,9 +178,11 @@ def play_vhdl(
     return found
 
 
-def play_model(one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int) -> Trace:
-    """Return what the model does."""
-    seen = _native.ComponentModel(one).play(stimuli, end)
+def play_model(
+    one: ComponentConfiguration, stimuli: Sequence[Stimulus], end: int, late: bool = False
+) -> Trace:
+    """Return what the model does. With `late` nobody waits for its pins, so it may do much at once."""
+    seen = _native.ComponentModel(one).play(stimuli, end, late=late)
     order = {"o": 0, "e": 1, "a": 2}
     return sorted((s for s in seen if s[0] <= end), key=lambda one: (one[0], order[one[1]], one[2]))
 

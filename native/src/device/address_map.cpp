@@ -151,6 +151,9 @@ Clock AddressMap::next_clock() const noexcept {
 }
 
 void AddressMap::advance(Clock now) {
+  if (before_components_) {
+    before_components_(now);  // a component that catches up has seen all levels until then
+  }
   for (Bus* slave : timed_) {
     if (slave->next_clock() <= now) {  // the others may still be told of levels before `now`
       slave->advance(now);

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import random
 import time
 from pathlib import Path
@@ -10,11 +11,14 @@ from pathlib import Path
 import pytest
 
 from unitylink import _native, connect
+from unitylink._native import Device
 from unitylink.interface.components import components_of
+from unitylink.simulate import BoardConfiguration
 from unitylink.spec import compile_text
 
 CONTROL, TARGET, SPEED, ACCELERATION, LATCHED, STAMP = 0, 1, 2, 3, 8, 9
 ENABLE_AND_LATCH_HOME = 0b11001
+CLOCK_HZ = 50_000_000
 REST = 400_000  # clocks: several cycles of base periods and ramps
 
 Stimuli = list[tuple[int, str, int, int]]
@@ -55,6 +59,69 @@ def test_a_rest_that_is_not_run_is_as_one_that_is(axes: int, clock_hz: int) -> N
     assert seen == _native.ComponentModel(one).play(run, end)
     answers = [value for _, what, _, value in seen if what == "a"]
     assert any(answers) and len([one for one in seen if one[1] == "o"]) > 10, "it has moved"
+
+
+def journey(axes: int, draw: random.Random, end: int) -> Stimuli:
+    """Let all axes run, mostly by their velocity, and now and then read, halt, latch, shift and turn back."""
+    found: Stimuli = []
+    most = draw.choice((150_000, 1_000_000)) * 256  # the second is too fast for some pulses
+    controls = (3, 3, 3, 1, 0, 7, 0b11011)
+
+    def velocity() -> int:
+        return draw.choice((1, -1, 0)) * draw.randrange(most) & 0xFFFFFFFF
+
+    for number in range(5 * axes):
+        axis, word = number // 5, number % 5
+        control = draw.choice(controls) if axis else 3
+        first = velocity() if axis else most // 2
+        value = (control, 500, most, draw.choice((200, 15_625, 500_000)), first)[word]
+        found.append((2000 + 400 * number, "w", 16 * axis + word, value))
+    at = 2000 + 2000 * axes
+    while at < end:
+        at += draw.choice((500, 5000, 50_000, 300_000)) + draw.randrange(3000)
+        base = 16 * draw.randrange(axes)
+        found.append(
+            draw.choice(
+                [(at, "r", base + word, 0) for word in range(10)]
+                + 6 * [(at, "w", base + 4, velocity())]
+                + 2 * [(at, "p", draw.randrange(3 * axes + 1), draw.randrange(2))]
+                + [(at, "w", base, draw.choice(controls)), (at, "w", base + 10, 3)]
+            )
+        )
+    return found
+
+
+@pytest.mark.parametrize(
+    ("axes", "clock_hz"),
+    [(1, 25_000_000), (2, 12_000_003), (3, 48_000_000), (5, 50_000_000), (8, 50_000_000)],
+)
+@pytest.mark.parametrize("hears", [False, True])
+def test_steps_that_are_played_at_once_are_those_of_each_clock(axes: int, clock_hz: int, hears: bool) -> None:
+    text = f"link l(ADDRESS=8); public a() {{ m: stepgen(axes={axes}); }}"
+    spec = compile_text(text).spec
+    assert spec is not None
+    (one,) = components_of(spec, clock_hz)
+    one = dataclasses.replace(one, event_groups=(0,) if hears else (None,))
+    told, end = journey(axes, random.Random(20 + axes), 1_500_000), 2_000_000
+    seen = _native.ComponentModel(one).play(told, end)
+    assert sorted(_native.ComponentModel(one).play(told, end, late=True)) == sorted(seen)
+    assert sum(what == "o" for _, what, _, _ in seen) > 500, "it has moved"
+
+
+def test_an_axis_that_moves_is_computed_while_nobody_looks() -> None:
+    text = "link l(ADDRESS=8); public a() { m: stepgen(); }"
+    spec = compile_text(text).spec
+    assert spec is not None
+    parts = components_of(spec, CLOCK_HZ)
+    device = Device(BoardConfiguration(address_bits=16, publish_mode=0, clock_hz=CLOCK_HZ, components=parts))
+    device.run_until(4 * CLOCK_HZ)
+    assert device.next_event is None, "it rests"
+    for word, value in ((SPEED, 20_000 * 256), (ACCELERATION, 8000), (4, 20_000 * 256), (CONTROL, 3)):
+        device.receive(b"#W:%04X%08X\n" % (word, value))
+    for second in range(5, 9):
+        device.run_until(second * CLOCK_HZ)
+        assert device.next_event is not None
+        assert device.clock < device.next_event <= device.clock + CLOCK_HZ // 20, "it lags by less than 50 ms"
 
 
 def test_an_axis_that_rests_for_an_hour_costs_nothing(tmp_path: Path) -> None:

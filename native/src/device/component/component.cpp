@@ -45,6 +45,7 @@ void Component::advance(Clock state) {
     step(edge);
   }
   state_ = std::max(state_, state);
+  arrive(state_);
   lower(state_);
 }
 
@@ -120,7 +121,8 @@ bool Component::is_heard() const noexcept {
 
 Clock Component::next_clock() const noexcept {
   if (!is_heard()) {
-    return never;
+    const Clock edge = next_edge();
+    return edge == never ? never : std::max(edge, state_ + lag_most) + 1;
   }
   Clock soonest = never;
   for (const Event& one : events_) {

@@ -80,7 +80,7 @@ class Component : public Bus {
   // Does anybody wait for its events or watch an output? Then it must be advanced in time.
   [[nodiscard]] bool is_heard() const noexcept;
   // The next clock at which an event or a watched output may change without an access. Others are computed when
-  // somebody looks, so an idle component costs nothing.
+  // somebody looks, or when much work has piled up. So an idle component costs nothing.
   [[nodiscard]] Clock next_clock() const noexcept final;
   void advance(Clock state) final;  // to this state
 
@@ -93,6 +93,11 @@ class Component : public Bus {
   [[nodiscard]] virtual Clock next() const noexcept { return never; }
   // Edge `edge` happens. Edges between two calls change nothing.
   virtual void step(Clock /*edge*/) {}
+  // Every edge before `state` is to have happened: for a model that computes many edges at once, between two of `next`.
+  virtual void arrive(Clock /*state*/) {}
+  // A model that nobody hears is advanced after so many clocks, 42 ms at 50 MHz. Else the next look has all of its
+  // work.
+  static constexpr Clock lag_most = Clock{1} << 21;
   // An access is on the bus from edge `edge` on. Returns the edge that takes it, which is a later one if the component
   // is busy. Everything before that edge has then happened.
   virtual Clock admitted(std::uint32_t /*address*/, bool /*writes*/, Clock edge) { return edge; }

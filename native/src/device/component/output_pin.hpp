@@ -42,15 +42,18 @@ class OutputPin {
 
   [[nodiscard]] bool is_counted() const noexcept { return direction_ != nullptr; }
   void count_by(const OutputPin* direction) noexcept { direction_ = direction; }
-  // Several may watch a pin. An empty watcher sends all away.
-  void watch(Watcher watcher) {
+  // Several may watch a pin. An empty watcher sends all away. One that is not `prompt` is told of a change when the
+  // component is advanced for another reason, and pins may be told one after the other.
+  void watch(Watcher watcher, bool prompt = true) {
     if (watcher) {
       watchers_.push_back(std::move(watcher));
+      is_watched_ = is_watched_ || prompt;
     } else {
       watchers_.clear();
+      is_watched_ = false;
     }
   }
-  [[nodiscard]] bool is_watched() const noexcept { return !watchers_.empty(); }
+  [[nodiscard]] bool is_watched() const noexcept { return is_watched_; }
 
  private:
   bool level_ = false;
@@ -60,6 +63,7 @@ class OutputPin {
   std::int64_t steps_ = 0;
   const OutputPin* direction_ = nullptr;
   std::vector<Watcher> watchers_;
+  bool is_watched_ = false;  // by one that is prompt
 };
 
 }  // namespace unitylink::device
