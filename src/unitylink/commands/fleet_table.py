@@ -88,7 +88,10 @@ def show(fleet: Supervisor, news: News, stop: threading.Event) -> None:
 
 def _show_lines(fleet: Supervisor, news: News, stop: threading.Event) -> None:
     """Print the table once all are up, or a while after the start; `News` prints what changes."""
-    fleet.wait_up(_FIRST_S)
+    limit_s = time.monotonic() + _FIRST_S
+    while not stop.is_set() and time.monotonic() < limit_s:
+        if fleet.wait_up(_REDRAW_S):
+            break
     if stop.is_set():
         return
     for line in plain_table(HEADERS, rows(fleet.reports()), right=RIGHT):

@@ -12,7 +12,7 @@ from .fleet_run import fleet_argument
 @click.command(short_help="Bring a running fleet to what its file says now.")
 @fleet_argument
 @click.option("--robot", "robots", multiple=True, metavar="NAME", help="Only this one. May be repeated.")
-@click.option("--force", is_flag=True, help="Update a robot although somebody writes it.")
+@click.option("--force", is_flag=True, help="Update a robot although somebody writes it or has stopped it.")
 def update(file: str, *, robots: tuple[str, ...], force: bool) -> None:
     """Roll changes out: a new spec, another link, other rights. One robot after the other.
 

@@ -56,8 +56,14 @@ class Forked:
         return self._process.pid
 
     def poll(self) -> int | None:
-        """Return the exit code, negative for a signal, or None while it runs."""
-        return self._process.exitcode
+        """Return the exit code, negative for a signal, or None while it runs.
+
+        If the process that was forked is killed, this is 255, though the fork lives. It is told to end then.
+        """
+        code = self._process.exitcode
+        if code is not None:
+            self._alive.close()
+        return code
 
     def terminate(self) -> None:
         """Send SIGTERM."""

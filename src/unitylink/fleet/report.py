@@ -40,6 +40,7 @@ class RobotReport:
     pid: int | None = None
     uptime_s: float = 0.0
     trouble: str = ""
+    stopped_by: str = ""  # a stop ends with the bridge, so an update leaves such a robot alone
 
     def row(self) -> tuple[str, ...]:
         """Return the cells below `HEADERS`."""
@@ -88,6 +89,7 @@ def report_of(robot: FleetRobot, presence: Presence, process: Mapping[str, Any] 
         pid=_count(own.get("pid")) or None,
         uptime_s=_seconds(own.get("uptime_s")),
         trouble=_text(own.get("trouble", "")),
+        stopped_by=_text(told.get("stopped_by") or ""),
     )
 
 

@@ -43,14 +43,21 @@ class Rollout:
     def run(self, wanted: Fleet, only: Sequence[str] = (), *, force: bool = False) -> bool:
         """Bring the robots to what `wanted` says. Return whether all are well.
 
-        `only` names the robots to begin with; without it all that differ. Robots that somebody writes are
-        left alone, except with `force`. Raises FleetError for what needs a new start of the fleet.
+        `only` names the robots to begin with; without it all that differ. Robots that somebody writes or has
+        stopped are left alone, except with `force`. Raises FleetError for what needs a new start of the
+        fleet.
         """
         steps = self._steps(wanted, only)
         if not steps:
             self._say(wanted.name, "all robots are as the file says")
         for number, step in enumerate(steps, 1):
             name = step.robot.name
+            if (stopper := self._report(name).stopped_by) and not force:
+                self._say(
+                    name, f"is stopped by {stopper}, which would end with its bridge; the update stops here"
+                )
+                self._say(name, "arm it first (link.arm()), or go on with --force")
+                return False
             holders = self._report(name).leases or {}
             if holders and not force:
                 whose = ", ".join(f"{part} by {holder}" for part, holder in holders.items())

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from pathlib import Path
 
 import click
 import pytest
 
-from unitylink.commands import fleet_record
+from unitylink.commands import fleet_record, fleet_table
 from unitylink.commands.fleet_record import Heard, RobotTaker
 from unitylink.commands.fleet_table import News
 from unitylink.fleet.reader import parse_fleet
@@ -41,6 +42,20 @@ def test_a_folder_with_letters_that_mean_something_in_a_url(tmp_path: Path) -> N
     assert read_far_url(taker._url).network.config == str(folder / "z.json5")
 
 
+def test_an_end_does_not_wait_for_robots_that_are_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    stop, waits = threading.Event(), []
+
+    class Away:
+        def wait_up(self, timeout_s: float) -> bool:
+            waits.append(timeout_s)
+            stop.set()
+            return False
+
+    monkeypatch.setattr(fleet_table, "terminal", lambda: False)
+    fleet_table.show(Away(), News(), stop)  # type: ignore[arg-type]
+    assert len(waits) == 1 and waits[0] <= 1.0
+
+
 @pytest.mark.parametrize("jump_s", [-3600.0, 3600.0])
 def test_a_clock_that_is_set_takes_no_sample_of_a_recording(
     monkeypatch: pytest.MonkeyPatch, jump_s: float
@@ -55,8 +70,8 @@ def test_a_clock_that_is_set_takes_no_sample_of_a_recording(
 
     heard = Heard(threading.Event())
     old_s = heard.now_s() - 10.0  # they have been held for long enough
-    now_s = fleet_record.time.time() + jump_s
-    monkeypatch.setattr(fleet_record.time, "time", lambda: now_s)
+    now_s = time.time() + jump_s
+    monkeypatch.setattr(time, "time", lambda: now_s)
     fresh_s = heard.now_s()
     for time_s in (old_s, fresh_s, fresh_s - 0.01):  # of two robots, the second one a little later
         heard.samples.put(Sample(time_s, {}))

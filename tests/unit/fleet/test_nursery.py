@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import time
+from multiprocessing import forkserver
 from pathlib import Path
+from typing import Any
 
 from unitylink.cli import main
 from unitylink.fleet.bridge_process import END_S
@@ -25,6 +28,25 @@ def test_a_fork_that_hangs_is_no_orphan(tmp_path: Path) -> None:
     assert next(iter(one.lines)) == "hangs\n"
     one._alive.close()  # as if this process were gone
     assert one.wait(4 * END_S) and one.poll() == 1
+    one.close()
+
+
+def until_told(_: list[str]) -> int:
+    print("lives", file=sys.stderr)
+    time.sleep(20)
+    return 0
+
+
+def test_a_fork_whose_nursery_was_killed_ends_too(tmp_path: Path) -> None:
+    """Else it stays on the network under its name, and no bridge that is started in its place gets in."""
+    one = Forked(until_told, [], tmp_path, ())
+    assert next(iter(one.lines)) == "lives\n"
+    server: Any = forkserver._forkserver
+    os.kill(server._forkserver_pid, signal.SIGKILL)
+    assert one.wait(10) and one.poll() == 255  # as far as anybody here knows
+    began_s = time.monotonic()
+    assert "".join(one.lines) == "", "the end of its stderr is its own end"
+    assert time.monotonic() - began_s < 15
     one.close()
 
 

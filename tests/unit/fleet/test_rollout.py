@@ -129,6 +129,15 @@ def test_who_is_written_is_left_alone_unless_forced() -> None:
     assert done and robots.changes == [("arm3", "new.ul")]
 
 
+def test_who_is_stopped_stays_so_unless_forced() -> None:
+    robots = Robots()
+    robots.ill["arm2 old.ul"] = {"stopped_by": "ana"}
+    done, said = rolled(robots, NEW)
+    assert not done and robots.changes == [("arm1", "new.ul")] and "arm2: is stopped by ana" in said[-2]
+    done, _ = rolled(robots, NEW, "arm2", force=True)
+    assert done and robots.changes[1:] == [("arm2", "new.ul")]
+
+
 def test_what_needs_a_new_start_is_refused() -> None:
     with pytest.raises(FleetError, match="other robots or keys"):
         rolled(Robots(), fleet(robot("arm1")))
