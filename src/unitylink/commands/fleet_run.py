@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from unitylink.errors import FleetError
+
 if TYPE_CHECKING:
+    from unitylink.fleet.description import Fleet
     from unitylink.fleet.supervisor import Supervisor
 
 fleet_argument = click.argument("file", metavar="FLEET.toml")
@@ -49,7 +52,7 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
     from .fleet_table import News, show
 
     fleet = read_fleet(file)
-    _check_router(fleet.router, anyone=fleet.anyone or bool(fleet.security))
+    _check_router(fleet)
     if check_config:
         with SpecStore(fleet) as specs:
             for robot in fleet.robots:
@@ -80,15 +83,21 @@ def _update(supervisor: Supervisor, wish: dict[str, Any], say: Callable[[str, st
     return Rollout(supervisor, say).run(fleet, only, force=wish.get("force") is True)
 
 
-def _check_router(locator: str, *, anyone: bool) -> None:
+def _check_router(fleet: Fleet) -> None:
     from .bridge_zenoh import ZenohOptions
 
-    ZenohOptions(
+    options = ZenohOptions(
         key=None,
         connect=None,
-        listen=locator,
+        listen=fleet.router,
         zenoh_config=None,
-        anyone=anyone,
+        anyone=fleet.anyone or bool(fleet.security),
         may=(),
         audit_file=None,
-    ).check()
+    )
+    try:
+        options.check()
+    except click.UsageError as error:  # in the words of a bridge, whose options a fleet does not have
+        why = error.message.removeprefix(f"--listen {fleet.router}: ")
+        why = why.replace("--anyone", "anyone = true below [fleet]")
+        raise FleetError(f"{fleet.file}: [fleet]: router = {fleet.router!r}: {why}") from None

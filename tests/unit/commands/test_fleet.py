@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -12,7 +13,10 @@ import pytest
 
 from unitylink.commands import fleet_record, fleet_table
 from unitylink.commands.fleet_record import Heard, RobotTaker
+from unitylink.commands.fleet_run import _check_router
 from unitylink.commands.fleet_table import News
+from unitylink.errors import FleetError
+from unitylink.fleet.description import Fleet
 from unitylink.fleet.reader import parse_fleet
 from unitylink.recording import Sample
 from unitylink.zenoh.far_options import read_far_url
@@ -40,6 +44,22 @@ def test_a_folder_with_letters_that_mean_something_in_a_url(tmp_path: Path) -> N
     fleet = parse_fleet(text, folder / "fleet.toml")
     taker = RobotTaker(fleet, fleet.robots[0], 10.0, Heard(threading.Event()), "")
     assert read_far_url(taker._url).network.config == str(folder / "z.json5")
+
+
+@pytest.mark.parametrize(
+    ("router", "why"),
+    [
+        ("tcp/0.0.0.0:7447", "add anyone = true below"),
+        ("foo", "no place of Zenoh"),
+        ("tcp/127.0.0.1:0", "port"),
+    ],
+)
+def test_a_router_that_cannot_be_is_told_in_the_words_of_the_file(router: str, why: str) -> None:
+    fleet = replace(Fleet(Path("lab.toml"), "lab", ()), router=router)
+    with pytest.raises(FleetError, match=rf"lab.toml: \[fleet\]: router = '{router}'") as told:
+        _check_router(fleet)
+    assert why in str(told.value) and "--" not in str(told.value)
+    _check_router(replace(fleet, router="tcp/0.0.0.0:7447", anyone=True))
 
 
 def test_an_end_does_not_wait_for_robots_that_are_away(monkeypatch: pytest.MonkeyPatch) -> None:
