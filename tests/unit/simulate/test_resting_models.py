@@ -16,7 +16,7 @@ from unitylink.interface.components import components_of
 from unitylink.simulate import BoardConfiguration
 from unitylink.spec import compile_text
 
-CONTROL, TARGET, SPEED, ACCELERATION, LATCHED, STAMP = 0, 1, 2, 3, 8, 9
+CONTROL, TARGET, SPEED, ACCELERATION, VELOCITY_TARGET, STATUS, LATCHED, STAMP = 0, 1, 2, 3, 4, 7, 8, 9
 ENABLE_AND_LATCH_HOME = 0b11001
 CLOCK_HZ = 50_000_000
 REST = 400_000  # clocks: several cycles of base periods and ramps
@@ -147,3 +147,66 @@ def test_a_device_that_does_not_answer_costs_nothing_while_it_is_awaited(tmp_pat
         busy_s = time.process_time()
         assert link.read(2) > 100, "it has failed so often"
         assert time.process_time() - busy_s < 1.0
+
+
+def settling(velocity: int, acceleration: int, stop_clock: int, control: int) -> Device:
+    """Return a device of two axes, of which one is told to stop. Its event is in group 0."""
+    spec = compile_text("link l(ADDRESS=8); public a() { m: stepgen(axes=2); }").spec
+    assert spec is not None
+    parts = tuple(dataclasses.replace(one, event_groups=(0,)) for one in components_of(spec, CLOCK_HZ))
+    device = Device(BoardConfiguration(address_bits=16, publish_mode=0, clock_hz=CLOCK_HZ, components=parts))
+
+    def write(address: int, value: int) -> None:
+        device.receive(b"#W:%04X%08X\n" % (address, value & 0xFFFFFFFF))
+
+    device.run_until(5000)
+    write(SPEED, 200_000 * 256)
+    write(ACCELERATION, acceleration)
+    write(VELOCITY_TARGET, velocity * 256)
+    write(TARGET, velocity // 50)
+    write(CONTROL, control)
+    device.run_until(stop_clock)
+    write(VELOCITY_TARGET, 0)
+    device.run_until(stop_clock + 20_000)
+    return device
+
+
+def moves(device: Device) -> bool:
+    """Return whether the status of the first axis says so."""
+    status = device.get(STATUS)
+    assert status is not None
+    return bool(status & 1)
+
+
+def settled_clock(journey: tuple[int, int, int, int]) -> int | None:
+    """Return when the first axis settles, by looking at its status all the time."""
+    after = journey[2] + 20_000
+    for step in (50_000, 2000, 40):
+        device = settling(*journey)
+        device.run_until(after)
+        while moves(device):
+            after = device.clock
+            if after > CLOCK_HZ // 2:
+                return None
+            device.run_until(after + step)
+    return after
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_board_that_hears_only_an_event_looks_before_it_comes(seed: int) -> None:
+    draw = random.Random(seed)
+    checked = 0
+    while checked < 3:
+        journey = (
+            draw.choice([1, -1]) * draw.randrange(100, 100_000),
+            draw.choice([3000, 15625, 100_000]),
+            draw.randrange(100_000, 2_000_000),
+            draw.choice([3, 3, 1]),
+        )
+        clock = settled_clock(journey)
+        for lead in (100, 2000, 100_000, 1_000_000):
+            if clock is not None and clock - lead > journey[2] + 20_000:
+                device = settling(*journey)
+                device.run_until(clock - lead)
+                assert device.next_event is not None and device.next_event <= clock + 2, (journey, lead)
+                checked += 1
