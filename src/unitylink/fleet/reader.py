@@ -136,6 +136,10 @@ def _robot(entry: dict[str, Any], head: dict[str, Any], fleet: str, number: int,
         raise FleetError(f'{place}: may = [] allows nothing, not even to look; say may = ["read"]')
     try:
         scheme = scheme_of(link)
+        if scheme.name == "zenoh":
+            raise UrlError(
+                f"{link!r} is a robot that has a bridge; a fleet bridges boards, such as serial:/dev/ttyUSB0"
+            )
         if not scheme.virtual:  # the spec of a virtual board is compiled when the fleet is run
             check_link(link)
         Rights.of(may)

@@ -6,13 +6,14 @@ from __future__ import annotations
 import json
 
 from unitylink import errors
-from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
+from unitylink.errors import LinkError, UnityLinkError, UnknownName, ValueRangeError
 
 _NAMES = (
     *("LinkTimeout", "OutcomeUnknown", "LinkClosed", "LinkDown", "LinkBusy", "BusError", "ProtocolError"),
     *("AccessRefused", "LeaseHeld", "DeadManTripped", "DeviceMismatch", "NetworkError", "UnexpectedValue"),
 )
 _KINDS: dict[str, type[LinkError]] = {name: getattr(errors, name) for name in _NAMES}
+_OTHERS: dict[str, type[UnityLinkError]] = {one.__name__: one for one in (ValueRangeError, UnknownName)}
 _TEXT_MAX = 500
 
 
@@ -22,9 +23,9 @@ def encode_failure(error: UnityLinkError) -> bytes:
     >>> encode_failure(ValueRangeError("j1.goal: NaN"))
     b'{"error":"ValueRangeError","text":"j1.goal: NaN"}'
     """
-    kind = next((one.__name__ for one in type(error).__mro__ if one.__name__ in _KINDS), "UnityLinkError")
-    told: dict[str, object] = {"error": "ValueRangeError" if isinstance(error, ValueRangeError) else kind}
-    told["text"] = str(error)[:_TEXT_MAX]
+    names = [one.__name__ for one in type(error).__mro__]
+    kind = next((name for name in names if name in _KINDS or name in _OTHERS), "UnityLinkError")
+    told: dict[str, object] = {"error": kind, "text": str(error)[:_TEXT_MAX]}
     address = getattr(error, "address", None)
     if address is not None:
         told["address"] = address
@@ -45,6 +46,6 @@ def decode_failure(data: bytes) -> UnityLinkError:
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         shown = data[:80].decode("utf-8", "replace")
         return errors.ProtocolError(f"an answer that is no error: {shown}")
-    if kind == "ValueRangeError":
-        return ValueRangeError(text)
+    if kind in _OTHERS:
+        return _OTHERS[kind](text)
     return _KINDS.get(kind, LinkError)(text, address=address if isinstance(address, int) else None)

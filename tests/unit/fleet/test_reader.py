@@ -67,6 +67,7 @@ def test_a_robot_has_what_the_fleet_has_unless_it_says_otherwise(file: Path) -> 
         ("sim:arm.ul", "sim:amr.ul", "robot 2 (arm2): there is no spec amr.ul in "),
         ('key = "hall/left"', 'spec = "x.ul"', "a sim: link brings its own spec; leave spec = 'x.ul' out"),
         ("tcp://10.0.0.1:5555", "tpc://10.0.0.1:5555", "robot 1 (arm1): "),
+        ("tcp://10.0.0.1:5555", "zenoh:lab/x", "robot 1 (arm1): 'zenoh:lab/x' is a robot that has a bridge"),
         ("write j1.*", "wirte j1.*", "robot 1 (arm1): may: 'wirte j1.*' is no scope"),
         ("writers =", "writer =", "robot 1 (arm1): writer is unknown; did you mean writers?"),
         ("spec =", "sepc =", "[fleet]: sepc is unknown; did you mean spec?"),

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.errors import LeaseHeld, ProtocolError, UnityLinkError, ValueRangeError
+from unitylink.errors import LeaseHeld, ProtocolError, UnityLinkError, UnknownName, ValueRangeError
 from unitylink.zenoh.failures import decode_failure, encode_failure
 from unitylink.zenoh.messages import (
     DO,
@@ -102,7 +102,8 @@ def test_mutated_bytes_are_refused_and_nothing_else(good: bytes, decode: Callabl
 
 
 def test_errors_keep_their_kind() -> None:
-    for error in (LeaseHeld("ana holds it", address=5), ValueRangeError("j1: NaN"), ProtocolError("x")):
+    named = (ValueRangeError("j1: NaN"), UnknownName("j9 is no item"))
+    for error in (LeaseHeld("ana holds it", address=5), *named, ProtocolError("x")):
         told = decode_failure(encode_failure(error))
         assert type(told) is type(error) and str(told) == str(error)
         assert getattr(told, "address", None) == getattr(error, "address", None)
