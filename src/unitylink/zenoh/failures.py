@@ -6,25 +6,25 @@ from __future__ import annotations
 import json
 
 from unitylink import errors
-from unitylink.errors import LinkError, UnityLinkError, UnknownName, ValueRangeError
+from unitylink.errors import LinkError, UnityLinkError
 
 _NAMES = (
     *("LinkTimeout", "OutcomeUnknown", "LinkClosed", "LinkDown", "LinkBusy", "BusError", "ProtocolError"),
     *("AccessRefused", "LeaseHeld", "DeadManTripped", "DeviceMismatch", "NetworkError", "UnexpectedValue"),
+    *("ValueRangeError", "UnknownName"),
 )
-_KINDS: dict[str, type[LinkError]] = {name: getattr(errors, name) for name in _NAMES}
-_OTHERS: dict[str, type[UnityLinkError]] = {one.__name__: one for one in (ValueRangeError, UnknownName)}
+_KINDS: dict[str, type[UnityLinkError]] = {name: getattr(errors, name) for name in _NAMES}
 _TEXT_MAX = 500
 
 
 def encode_failure(error: UnityLinkError) -> bytes:
     """Return the bytes that tell an error.
 
-    >>> encode_failure(ValueRangeError("j1.goal: NaN"))
+    >>> encode_failure(errors.ValueRangeError("j1.goal: NaN"))
     b'{"error":"ValueRangeError","text":"j1.goal: NaN"}'
     """
     names = [one.__name__ for one in type(error).__mro__]
-    kind = next((name for name in names if name in _KINDS or name in _OTHERS), "UnityLinkError")
+    kind = next((name for name in names if name in _KINDS), "UnityLinkError")
     told: dict[str, object] = {"error": kind, "text": str(error)[:_TEXT_MAX]}
     address = getattr(error, "address", None)
     if address is not None:
@@ -46,6 +46,7 @@ def decode_failure(data: bytes) -> UnityLinkError:
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         shown = data[:80].decode("utf-8", "replace")
         return errors.ProtocolError(f"an answer that is no error: {shown}")
-    if kind in _OTHERS:
-        return _OTHERS[kind](text)
-    return _KINDS.get(kind, LinkError)(text, address=address if isinstance(address, int) else None)
+    named = _KINDS.get(kind, LinkError)
+    if issubclass(named, LinkError):  # the others have no address
+        return named(text, address=address if isinstance(address, int) else None)
+    return named(text)
