@@ -23,8 +23,13 @@ public wide() {
    @count = 0x20: u64 READ(PUBLISH(on limit));
    @on = 0x24: bool WRITE();
    @go = 0x25: u8 PULSE();
+   @address = 0x30: READWRITE();
+   @value = 0x31: READ();
+   @write = 0x32: READ();
+   @read = 0x33: READ(PUBLISH(10 Hz));
+   @std_ulogic_vector = 0x34: f32 WRITE();
 }
-"""
+"""  # from `address` on: names that the bench or the record could take for something else
 
 
 SLOW = {"clock_hz": 24_000_000, "baud_hz": 3_000_000}  # the fewest clocks a bit, for the simulation's sake

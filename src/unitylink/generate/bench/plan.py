@@ -90,7 +90,7 @@ def plan_bench(spec: Spec, design: Plan) -> Bench:
             leaves = from_pc.get(design.words.write[element.address], [])
             after = tuple((Vhdl.of("from_pc.{}", leaf.path), _literal(leaf.part, mixed)) for leaf in leaves)
             writes += [Trial(access, _value(access, mixed), (), after)] if after else []
-    return Bench(tuple(accesses), tuple(_publishes(spec)), tuple(reads), tuple(writes))
+    return Bench(tuple(accesses), tuple(_publishes(spec, design)), tuple(reads), tuple(writes))
 
 
 def _access(name: str, element: Element, data_bits: int) -> Access:
@@ -141,9 +141,10 @@ def _literal(part: Part, raw: int) -> Vhdl:
     return _bits(raw >> part.low, part.high - part.low + 1)
 
 
-def _publishes(spec: Spec) -> Iterator[Publish]:
+def _publishes(spec: Spec, design: Plan) -> Iterator[Publish]:
     names = Names()
-    constants = {id(element): f"{name}_address" for _, name, element in named_elements(spec)}
+    package = f"{design.name}_config_pkg"
+    constants = {id(element): f"{package}.{name}_address" for _, name, element in named_elements(spec)}
     for device in spec.devices:
         for group in device.groups:
             words = [(constants[id(element)], n) for element in group.elements for n in range(element.words)]

@@ -7,12 +7,14 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-# Reserved by VHDL-2008 (with PSL) and VHDL-2019, and by Verilog, in which netlists are written. Also the type
-# of a strobe and the two libraries, because a field or a port must not hide them.
+# Reserved by VHDL-2008 (with PSL) and VHDL-2019, and by Verilog, in which netlists are written. Also the
+# types of fields that are neither `signed` nor `unsigned`, and the two libraries, because a field or a port
+# must not hide them.
 KEYWORDS = frozenset(
     [
         *(Path(__file__).parent / "keywords.txt").read_text(encoding="ascii").split(),
         "std_ulogic",
+        "std_ulogic_vector",
         "unitylink",
         "work",
     ]
