@@ -47,7 +47,7 @@ class FakeDevice:
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
 
-    def url(self, options: str = "timeout=0.05") -> str:
+    def url(self, options: str = "timeout=0.5") -> str:
         """Return the URL to connect to. The link then owns the descriptor."""
         return f"fd:{self.host.detach()}?{options}"
 

@@ -73,9 +73,10 @@ def test_the_callback_thread_rests_while_all_may_wait(
 
     patient, urgent = (link.subscribe([address], divisor=10) for address in (1, 2))
     patient.on_publish(callback, gather_s=0.02)
-    device.publish(patient.group)
-    called.get(timeout=10)
-    assert rests.get(timeout=10) == 0.02
+    while rests.empty():  # publishes that come rarely are not waited for
+        device.publish(patient.group)
+        called.get(timeout=10)
+    assert rests.get() == 0.02
     urgent.on_publish(callback)
     device.publish(urgent.group)  # after its delivery there are no pauses
     called.get(timeout=10)
