@@ -25,6 +25,7 @@ from unitylink.errors import (
 
 from .failures import decode_failure
 from .far_clock import FarClock
+from .hello import read_welcome
 from .messages import (
     ATOMIC,
     CHECKED,
@@ -184,14 +185,14 @@ class FarBridge:
                 self.counts["replies"] += 1
                 return self._checked(decode_answer(answer), request)
             if answer is not None:
-                if isinstance(answer, LinkDown) and sent and request.once:
-                    self._look_now()
-                    break  # an earlier copy may have been executed, for a visit that has ended
                 if isinstance(answer, LinkDown):
                     self._look_now()
+                if isinstance(answer, (LinkDown, LinkClosed)) and sent and request.once:
+                    break  # an earlier copy may have been executed, for a visit that has ended
                 raise answer
             reached = self._last_reached
-            sent += reached
+            # A copy whose way is lost after it has arrived looks like one for which nobody was there.
+            sent += reached or request.once
             if not reached:
                 if self.trouble and not self.closed:
                     break
@@ -281,7 +282,7 @@ class FarBridge:
         try:
             if not isinstance(answer, bytes):
                 raise answer or LinkTimeout(f"{self.options.url}: the bridge does not say hello")
-            told = _read_hello(answer)
+            told = read_welcome(answer)
             if told["bridge"] not in boards:
                 raise DeviceMismatch(f"two bridges have the name {self.keys.name} on this network")
             self._check_hash(told["hash"])
@@ -401,21 +402,6 @@ class FarBridge:
                 self.clock.learn(asked_ns, told_ns, heard_ns)
                 return True
         return answer if isinstance(answer, UnityLinkError) and self._last_reached else False
-
-
-def _read_hello(data: bytes) -> dict[str, Any]:
-    """Return what a bridge answers to a hello. Raises ProtocolError if it is no such answer."""
-    try:
-        told = json.loads(data)
-        return {
-            "visit": int(told["visit"]),
-            "bridge": f"{int(told['bridge'], 16):016x}",
-            "now_ns": int(told["now_ns"]),
-            "hash": str(told["hash"]),
-            "configuration": {str(name): int(value) for name, value in told["configuration"].items()},
-        }
-    except (ValueError, TypeError, KeyError, AttributeError):
-        raise ProtocolError("the bridge answers a hello with something else") from None
 
 
 def flags_of(checked: bool | None, once: bool, atomic: bool) -> int:

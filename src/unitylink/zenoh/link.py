@@ -13,7 +13,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from unitylink.errors import LinkTimeout, UnknownName, ValueRangeError
+from unitylink.errors import LinkTimeout, ProtocolError, UnknownName, ValueRangeError
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
 
@@ -56,7 +56,13 @@ class ZenohLink(Link):
 
     def state(self) -> dict[str, Any]:
         """Return the state of the bridge: who is there, what it has refused, how the board is."""
-        told: dict[str, Any] = json.loads(self._text("state"))
+        text = self._text("state")
+        try:
+            told = json.loads(text)
+        except (ValueError, RecursionError):
+            told = None
+        if not isinstance(told, dict):
+            raise ProtocolError(f"{self.url}: the bridge tells a state that cannot be understood")
         return told
 
     def set_points(self, part: str = "", *, ttl_s: float) -> SetPoints:

@@ -58,10 +58,13 @@ def unpack_spec(text: str, folder: str | Path) -> tuple[Spec, Path]:
         raise ProtocolError(f"the bridge tells a spec of {len(files)} files and {len(text)} characters")
     if first not in files or not all(isinstance(name, str) and is_below(name) for name in files):
         raise ProtocolError("the bridge tells a spec with names of files that are none")
-    for name, content in files.items():
-        path = Path(folder, name)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(str(content), encoding="utf-8")
+    try:
+        for name, content in files.items():
+            path = Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(str(content), encoding="utf-8")
+    except (OSError, ValueError) as error:  # too long a name, or also a folder; no letters
+        raise ProtocolError(f"a file of the spec that the bridge tells cannot be written: {error}") from None
     main = Path(folder, first)
     spec = load(main)
     try:

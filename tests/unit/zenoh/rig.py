@@ -110,6 +110,14 @@ class Gap:
         for end in (source, target):
             _end(end)
 
+    def lose(self) -> None:
+        """Lose the connections, with all that is under way. New ones can be made."""
+        ends, self._ends = self._ends, []
+        for end in ends:
+            _end(end)
+        self.there.set()
+        self.back.set()
+
     def close(self) -> None:
         """Cut all ways."""
         self.there.set()

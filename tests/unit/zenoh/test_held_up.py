@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from unit.zenoh.rig import ANGLE, GOAL, Rig, rigged, until
+from unit.zenoh.rig import ANGLE, GOAL, HITS, Gap, Rig, rigged, until
 
 from unitylink import connect
 from unitylink.errors import LinkTimeout, OutcomeUnknown
@@ -64,6 +65,22 @@ def test_what_is_held_up_in_the_bridge_is_not_written_late(
     assert rig.board.registers[GOAL] == 500
     held_s[0] = 0.0
     until(lambda: goals.send(0.9) or rig.board.registers[GOAL] == 900)
+
+
+def test_a_write_whose_way_is_lost_after_it_has_arrived_is_not_told_as_not_sent(rig: Rig) -> None:
+    """Who gets LinkDown may write again. So it is for what was not sent, and this was executed."""
+    gap = Gap(rig.port)
+    with connect(rig.url("&timeout=0.5&attempts=4", gap.port)) as link:
+        link.write(HITS, 0)
+        gap.back.clear()  # the request arrives, its answer does not
+        lost = threading.Thread(target=lambda: until(lambda: rig.board.registers[HITS]) and gap.lose())
+        lost.start()
+        with pytest.raises(OutcomeUnknown, match="executed once or never"), link.batch() as batch:
+            batch.add(HITS, 1)
+        lost.join()
+        assert rig.board.registers[HITS] == 1
+        assert link.wait_up(10)
+    gap.close()
 
 
 def test_a_subscription_whose_answer_is_lost_comes_back(

@@ -9,8 +9,9 @@ import pytest
 from unit.zenoh.rig import ANGLE, STAMP, Rig, rigged, until
 
 from unitylink import connect
-from unitylink.errors import LinkDown
+from unitylink.errors import LinkDown, ProtocolError
 from unitylink.zenoh.far_bridge import FarBridge
+from unitylink.zenoh.link import ZenohLink
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +33,15 @@ def test_a_client_that_the_bridge_has_lost_says_hello_again(rig: Rig) -> None:
         rig.bridge._guests.leave(visit)
         until(lambda: rig.bridge.state()["clients"])  # also without a request
         until(lambda: link.statistics().reconnections == 2)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "[" * 100_000])
+def test_a_state_that_is_none_is_refused(rig: Rig, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    with connect(rig.url()) as link:
+        assert isinstance(link, ZenohLink)
+        monkeypatch.setattr(link, "_text", lambda what: text)
+        with pytest.raises(ProtocolError, match="a state that cannot be understood"):
+            link.state()
 
 
 def test_a_writer_does_not_become_a_reader_by_an_early_hello(

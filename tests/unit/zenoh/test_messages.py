@@ -11,6 +11,7 @@ import pytest
 
 from unitylink.errors import LeaseHeld, ProtocolError, UnityLinkError, UnknownName, ValueRangeError
 from unitylink.zenoh.failures import decode_failure, encode_failure
+from unitylink.zenoh.hello import read_welcome
 from unitylink.zenoh.messages import (
     DO,
     HEAD_BYTES,
@@ -30,6 +31,12 @@ from unitylink.zenoh.messages import (
 MUTATIONS = 25_000  # of each kind of message
 REQUEST = Request(DO, 7, 9, 3, -5, ONCE, operations=((1, 0x10, 0, 0), (20, 0x11, 5, 0xF0)))
 POINT = SetPoint("lab/arm1/set/j1", 7, 2, 10**12, b"\x01\x02\x03\x04")
+
+WELCOME = (
+    b'{"visit":7,"bridge":"ab","now_ns":5,"hash":"12","configuration":{"address_bytes":2,"data_bytes":4,'
+    b'"read_many":8,"publish_mode":1,"base_hz":1000,"groups":2,"group_size":8,"rate_bytes":2,'
+    b'"discovered":true,"usable_group_size":8}}'
+)
 
 
 def test_a_request_comes_out_as_it_went_in() -> None:
@@ -74,8 +81,9 @@ def test_a_wrong_request_is_named(data: bytes, why: str) -> None:
         (POINT.encode(), lambda data: decode_set_point("k", data)),
         (b"\0" * 20, lambda data: decode_sample(data, 2)),
         (encode_failure(LeaseHeld("ana holds it", address=5)), decode_failure),
+        (WELCOME, read_welcome),
     ],
-    ids=["request", "answer", "set-point", "sample", "failure"],
+    ids=["request", "answer", "set-point", "sample", "failure", "welcome"],
 )
 def test_mutated_bytes_are_refused_and_nothing_else(good: bytes, decode: Callable[[bytes], Any]) -> None:
     """A decoder meets what anybody on the network puts there."""
@@ -99,6 +107,27 @@ def test_mutated_bytes_are_refused_and_nothing_else(good: bytes, decode: Callabl
         except ProtocolError:
             refused += 1
     assert refused > MUTATIONS / 4 or decode is decode_failure
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'"visit":7', b'"visit":Infinity'),
+        (b'"visit":7', b'"visit":-1'),
+        (b'"visit":7', b'"visit":1e30'),
+        (b'"now_ns":5', b'"now_ns":36893488147419103232'),
+        (b'"bridge":"ab"', b'"bridge":"-ab"'),
+        (b'"data_bytes":4', b'"data_bytes":0'),
+        (b'"data_bytes":4', b'"data_bytes":Infinity'),
+        (b'"groups":2', b'"groups":-2'),
+        (b'"groups":2,', b""),
+        (WELCOME, b"[" * 100_000),
+    ],
+)
+def test_a_bridge_that_cannot_be_is_refused_at_its_hello(old: bytes, new: bytes) -> None:
+    assert read_welcome(WELCOME)["configuration"]["data_bytes"] == 4
+    with pytest.raises(ProtocolError, match="answers a hello with something else"):
+        read_welcome(WELCOME.replace(old, new))
 
 
 def test_errors_keep_their_kind() -> None:

@@ -171,21 +171,26 @@ def test_an_answer_that_is_lost_or_late_executes_nothing_twice(stack: ExitStack,
     assert link.read(HITS) == 2, "late answers do no harm"
 
 
+@pytest.mark.parametrize("what", ["write", "arm"])
 def test_a_request_that_arrives_after_its_client_has_given_up_is_not_executed(
-    stack: ExitStack, rig: Rig
+    stack: ExitStack, rig: Rig, what: str
 ) -> None:
     gap = Gap(rig.port)
     stack.callback(gap.close)
     link = opened(stack, rig, "&timeout=0.1&attempts=2", gap.port)
     link.write(HITS, 7)
+    if what == "arm":
+        link.trip()
     gap.there.clear()
+    before = refused(rig, "board")[0]
     with pytest.raises(OutcomeUnknown):
-        link.write(HITS, 8)
+        link.arm() if what == "arm" else link.write(HITS, 8)
     time.sleep(0.1)
     gap.there.set()
-    time.sleep(0.2)
-    assert rig.board.registers[HITS] == 7
-    assert refused(rig, "board")[0] >= 1 and "too late" in refused(rig, "board")[1]
+    until(lambda: refused(rig, "board")[0] > before)
+    assert "too late" in refused(rig, "board")[1]
+    assert rig.board.registers[HITS] == 7 and bool(rig.bridge.state()["stopped_by"]) == (what == "arm")
+    link.arm()
 
 
 def test_copies_of_a_request_get_one_answer(stack: ExitStack, rig: Rig) -> None:

@@ -196,6 +196,14 @@ def test_a_spec_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    "files", [{"a.ul": "\ud800"}, {"a.ul": "", "a.ul/b": ""}, {"a.ul": "", "n" * 300: ""}]
+)
+def test_a_spec_with_files_that_cannot_be_is_refused(files: dict[str, str], tmp_path: Path) -> None:
+    with pytest.raises(ProtocolError, match="cannot be written"):
+        unpack_spec(json.dumps({"file": "a.ul", "root": "a", "files": files}), tmp_path)
+
+
 def test_a_visit_ends_with_its_token() -> None:
     visits, client = Visits(), None
     first = visits.add("ana", client, now_ns=0)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from unitylink.errors import LinkBusy, LinkDown, OutcomeUnknown, ProtocolError, UnityLinkError
+from unitylink.errors import LinkBusy, LinkDown, LinkTimeout, OutcomeUnknown, ProtocolError, UnityLinkError
 
 from ..failures import encode_failure
 from ..messages import (
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .refusals import Refusals
     from .visits import Visit, Visits
 
+_ALWAYS = frozenset((UNSUBSCRIBE, LEAVE))  # what is done however late: it only lets something go
 _ERROR, _ANSWER = b"e", b"a"  # what the ledger keeps: an answer, or an error
 
 
@@ -118,6 +119,9 @@ class Requests:
 
     def _done(self, visit: Visit, request: Request) -> bytes:
         words: list[int] = []
+        late = request.deadline_ns and time.monotonic_ns() >= request.deadline_ns
+        if late and request.kind not in _ALWAYS:
+            raise LinkTimeout("it reached the bridge too late, and was not executed")
         if request.kind == DO:
             words = self._executor.words(visit.client, request)
         elif request.kind == SUBSCRIBE:
@@ -137,8 +141,6 @@ class Requests:
     def _subscribed(self, visit: Visit, request: Request) -> int:
         if not request.operations or any(one[0] not in READS for one in request.operations):
             raise ProtocolError("a subscription names words to read")
-        if request.deadline_ns and time.monotonic_ns() > request.deadline_ns:
-            raise LinkDown("the subscription reached the bridge too late, and was not made")
         self._executor.check_reads(visit.client, request.operations)
         number = self._groups.join(
             visit.number,
