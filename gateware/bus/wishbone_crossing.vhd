@@ -13,7 +13,8 @@
 -- Errors     err is passed on. After `timeout_clocks` of the slaves without an answer the access ends with err, and cyc
 --            falls. A master that gives up early (cyc falls) gets no answer to that access later.
 -- Pressure   The master waits. Give it a longer timeout than this one, counted in its own clocks.
--- Reset      Each reset is synchronous to its clock. Both sides must be in reset at the same time once, as async_fifo.
+-- Reset      Each is synchronous to its clock, and may come alone. No access is repeated. master_reset drops the one in
+--            hand: the slave may still do it, and the next access waits for that. slave_reset ends it with err.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -66,10 +67,10 @@ architecture rtl of wishbone_crossing is
 begin
 
   asked_synchroniser : entity work.synchroniser
-    port map (clock => slave_clock, reset => slave_reset, asynchronous(0) => asked, levels(0) => asked_seen);
+    port map (clock => slave_clock, asynchronous(0) => asked, levels(0) => asked_seen);
 
   done_synchroniser : entity work.synchroniser
-    port map (clock => master_clock, reset => master_reset, asynchronous(0) => done, levels(0) => done_seen);
+    port map (clock => master_clock, asynchronous(0) => done, levels(0) => done_seen);
 
   respond : process (all) is
     variable asks : std_ulogic;
@@ -108,12 +109,12 @@ begin
         is_open     <= '1';
       end if;
 
-      if master_reset = '1' then
-        asked    <= '0';
-        waiting  <= '0';
+      if master_reset = '1' then -- what is asked stays asked, because the slave's side may not be in reset
+        asked    <= asked;
+        waiting  <= '1';
         wanted   <= '0';
-        is_open  <= '0';
-        is_over  <= '0';
+        is_open  <= is_open;
+        is_over  <= is_open;
         answered <= '0';
       end if;
     end if;
@@ -163,10 +164,13 @@ begin
           end if;
       end case;
 
-      if slave_reset = '1' then
+      if slave_reset = '1' then -- what is asked now is refused
         state <= idle;
-        done  <= '0';
+        done  <= asked_seen;
         cycle <= '0';
+        if done /= asked_seen then
+          answer_held(32) <= '1';
+        end if;
       end if;
     end if;
   end process;

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- wishbone_crossing between clocks of any ratio: blocks of random accesses to a memory, compared with a model, and the
--- cycles that the slave sees. Some accesses are refused, some not answered, and some given up by the master.
+-- accesses and cycles that the slave sees. Some accesses are refused, some not answered, some given up by the master.
+-- A reset of the master ends some blocks and accesses. A reset of the slave comes between blocks, or during an access.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +33,8 @@ architecture test of wishbone_crossing_tb is
   signal s2m                       : wishbone_s2m_t;
   signal slave_m2s, memory_m2s     : wishbone_m2s_t;
   signal slave_s2m, memory_s2m     : wishbone_s2m_t;
-  signal cycles                    : natural := 0; -- that the slave has seen
+  signal cycles, accesses          : natural := 0; -- that the slave has seen; accesses that it answers
+  signal slave_resets              : natural := 0; -- that were asked for
 
 begin
 
@@ -69,14 +71,35 @@ begin
     end if;
   end process;
 
-  begin_both : process is
+  watch_accesses : process (slave_m2s) is
+    variable block_sel : std_ulogic_vector(3 downto 0);
+    variable is_first  : boolean := true;
   begin
-    wait for 200 ns;
-    wait until rising_edge(master_clock);
-    master_reset <= '0';
-    wait until rising_edge(slave_clock);
-    slave_reset <= '0';
-    wait;
+    if slave_m2s.cyc = '0' then
+      is_first := true;
+    elsif slave_m2s.stb = '1' and slave_m2s.stb'event then
+      check(is_first or slave_m2s.sel = block_sel, "each block has a cycle of its own");
+      block_sel := slave_m2s.sel;
+      is_first  := false;
+      if unsigned(slave_m2s.adr) < silent_c then
+        accesses <= accesses + 1;
+      end if;
+    end if;
+  end process;
+
+  reset_slave : process is
+  begin
+    wait for 220 ns;
+    loop
+      wait until rising_edge(slave_clock);
+      wait until rising_edge(slave_clock);
+      slave_reset <= '0';
+      wait on slave_resets;
+      for clocks in 0 to slave_resets mod 10 loop
+        wait until rising_edge(slave_clock);
+      end loop;
+      slave_reset <= '1';
+    end loop;
   end process;
 
   play : process is
@@ -88,12 +111,13 @@ begin
     variable patience : natural;
     variable answer   : wishbone_s2m_t;
     variable given_up : boolean;
+    variable turn     : natural := 0; -- number of the block; sel tells it to watch_accesses
 
     procedure go (we : std_ulogic; data : std_ulogic_vector(31 downto 0)) is
     begin
       m2s <= (
         cyc => '1', stb => '1', we => we, adr => std_ulogic_vector(to_unsigned(address, 32)), dat => data,
-        sel => "1111");
+        sel => std_ulogic_vector(to_unsigned(turn mod 16, 4)));
       given_up := false;
       for clocks in 1 to patience loop
         wait until rising_edge(master_clock);
@@ -111,13 +135,18 @@ begin
     variable data    : std_ulogic_vector(31 downto 0);
     variable we      : std_ulogic;
     variable timeout : boolean;
-    variable dropped : natural := 0; -- accesses that the master gave up; some before they reached the slave
+    variable dropped : natural := 0; -- accesses that were given up; some before they reached the slave
+    variable asked   : natural := 0; -- accesses that the slave answers
 
   begin
     random.seed(seed);
-    wait until master_reset = '0' and slave_reset = '0';
+    wait for 200 ns;
+    wait until rising_edge(master_clock);
+    master_reset <= '0';
+    wait until rising_edge(slave_clock) and slave_reset = '0';
     wait until rising_edge(master_clock);
     for number in 1 to blocks loop
+      turn     := turn + 1;
       patience := 100_000;
       expected := expected + 1;
       timeout  := false;
@@ -129,6 +158,9 @@ begin
         end if;
         data := random.vector(32);
         we   := '1' when random.chance(50) else '0';
+        if address < silent_c then
+          asked := asked + 1;
+        end if;
         go(we, data);
         if address >= silent_c then
           check(answer.err = '1', "an access without an answer is refused");
@@ -148,21 +180,42 @@ begin
         end loop;
       end loop;
       m2s <= wishbone_m2s_idle;
+      master_reset <= '1' when random.chance(20) else '0'; -- it ends the block, too
       wait until rising_edge(master_clock);
+      master_reset <= '0';
       if random.chance(30) then -- a master that gives up gets no answer of that access later
         address  := silent_c;
         patience := random.integer_between(1, 6);
         dropped  := dropped + 1;
+        turn     := turn + 1;
         go('0', x"00000000");
         check(given_up, "a master that gives up");
+        master_reset <= '1' when random.chance(50) else '0';
         wait until rising_edge(master_clock);
+        master_reset <= '0';
       end if;
       for pause in 1 to random.integer_between(0, 20) loop
         wait until rising_edge(master_clock);
       end loop;
+      if random.chance(20) then
+        slave_resets <= slave_resets + 1;
+        if random.chance(50) then -- an access that the slave forgets
+          address  := silent_c;
+          patience := 100_000;
+          dropped  := dropped + 1;
+        turn     := turn + 1;
+          go('0', x"00000000");
+          check(answer.err = '1', "a reset of the slave refuses the access");
+          m2s <= wishbone_m2s_idle;
+        end if;
+        wait until rising_edge(slave_clock) and slave_reset = '1' for 20 * slave_period_ps * 1 ps;
+        wait until rising_edge(slave_clock) and slave_reset = '0';
+        wait until rising_edge(master_clock);
+      end if;
     end loop;
     wait for 40 * (master_period_ps + slave_period_ps) * 1 ps;
     check_equal(slave_m2s.cyc, '0', "cyc at the end");
+    check_equal(accesses, asked, "accesses of the slave");
     check(cycles >= expected and cycles <= expected + dropped, "cycles of the slave: " & integer'image(cycles));
     report_passed("wishbone_crossing_tb");
     done <= true;
