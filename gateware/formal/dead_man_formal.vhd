@@ -62,6 +62,7 @@ architecture properties of dead_man_formal is
   signal answers  : std_ulogic_vector(values'range) := "00";    -- safe writes answered
   signal behind   : natural range 0 to written_most := 0;       -- clocks since the trip
   signal heard    : natural range 0 to heard_most := 0;         -- clocks since the trip, or an unanswered safe write
+  signal armed    : natural range 0 to written_most := 0;       -- clocks without a trip
 
 begin
 
@@ -146,9 +147,14 @@ begin
       if ends = '1' and or is_safe = '1' and response.status = silent then
         heard <= 0;
       end if;
+      if armed < written_most then
+        armed <= armed + 1;
+      end if;
       if tripped = '0' then
         behind <= 0;
         heard  <= 0;
+      else
+        armed <= 0;
       end if;
 
       if reset = '1' then
@@ -201,6 +207,9 @@ begin
   -- Only `arm` or a reset ends a trip. `arm` works only in another session.
   trip_stays : assert always begun = '1' and tripped_before = '1' and tripped = '0' -> armed_before = '1';
 
+  -- It trips once: it does not run until it is armed.
+  trips_once : assert always begun = '1' and tripped = '1' -> state.running = '0';
+
   -- The reported state is the state of the output.
   told : assert always begun = '1' -> state.tripped = tripped;
 
@@ -214,6 +223,12 @@ begin
 
   -- A safe write without an answer is repeated until all are answered.
   all_answered : assert always begun = '1' and tripped = '1' and heard = heard_most -> and answers = '1';
+
+  -- Without a write that had no answer they are not repeated.
+  again_for_a_reason : assert always begun = '1' and tripped = '1' and heard = heard_most -> nor is_safe = '1';
+
+  -- `arm` ends the repetition: at most the writes under way are finished.
+  arm_ends_it : assert always begun = '1' and tripped = '0' and armed = written_most -> nor is_safe = '1';
 
   -- Nothing holds the bus while safe values are written.
   hold_ends : assert always begun = '1' and tripped = '1' and made /= "11" -> bii.block_hold = '0';
