@@ -77,15 +77,8 @@ class ZenohOptions:
         """Raises UsageError for a place that is none, or that others would reach."""
         if sum(one is not None for one in (self.connect, self.listen, self.zenoh_config)) > 1:
             raise click.UsageError("--connect, --listen and --zenoh-config: one of them says where")
-        if self.listen is not None:
-            host, port = self._place(self.listen)
-            if port == 0:
-                raise click.UsageError(f"--listen {self.listen}: give the port that clients connect to")
-            if not is_loopback(host) and not self.anyone:
-                raise click.UsageError(
-                    f"--listen {self.listen}: other machines could reach the robot, and what goes there is "
-                    "not encrypted; if you want that, add --anyone, or say it with TLS in a file of Zenoh"
-                )
+        if self.listen is not None and (why := unfit(self.listen, anyone=self.anyone, remedy="add --anyone")):
+            raise click.UsageError(f"--listen {self.listen}: {why}")
         self.rights()
 
     @property
@@ -165,11 +158,23 @@ class ZenohOptions:
             else:
                 return bridge, publishing.connect or publishing.config
 
-    def _place(self, locator: str) -> tuple[str, int]:
-        match = _LOCATOR.fullmatch(locator)
-        if match is None:
-            raise click.UsageError(f"{locator} is no place of Zenoh; it looks like tcp/127.0.0.1:7447")
-        return match["six"] or match["host"], int(match["port"])
+
+def unfit(locator: str, *, anyone: bool, remedy: str) -> str:
+    """Return why a router cannot be, or should not be, at a place, or an empty text.
+
+    `remedy` is how a user says that `anyone` may reach it.
+    """
+    match = _LOCATOR.fullmatch(locator)
+    if match is None:
+        return "this is no place of Zenoh; it looks like tcp/127.0.0.1:7447"
+    if int(match["port"]) == 0:
+        return "give the port that clients connect to"
+    if not anyone and not is_loopback(match["six"] or match["host"]):
+        return (
+            "other machines could reach the robot, and what goes there is not encrypted; if you want that, "
+            f"{remedy}, or say it with TLS in a file of Zenoh"
+        )
+    return ""
 
 
 def read_zenoh(text: str, *, anyone: bool, may: Sequence[str]) -> ZenohOptions:

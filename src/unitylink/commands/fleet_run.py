@@ -84,20 +84,8 @@ def _update(supervisor: Supervisor, wish: dict[str, Any], say: Callable[[str, st
 
 
 def _check_router(fleet: Fleet) -> None:
-    from .bridge_zenoh import ZenohOptions
+    from .bridge_zenoh import unfit
 
-    options = ZenohOptions(
-        key=None,
-        connect=None,
-        listen=fleet.router,
-        zenoh_config=None,
-        anyone=fleet.anyone or bool(fleet.security),
-        may=(),
-        audit_file=None,
-    )
-    try:
-        options.check()
-    except click.UsageError as error:  # in the words of a bridge, whose options a fleet does not have
-        why = error.message.removeprefix(f"--listen {fleet.router}: ")
-        why = why.replace("--anyone", "anyone = true below [fleet]")
-        raise FleetError(f"{fleet.file}: [fleet]: router = {fleet.router!r}: {why}") from None
+    anyone = fleet.anyone or bool(fleet.security)
+    if why := unfit(fleet.router, anyone=anyone, remedy="add anyone = true below [fleet]"):
+        raise FleetError(f"{fleet.file}: [fleet]: router = {fleet.router!r}: {why}")

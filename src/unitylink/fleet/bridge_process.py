@@ -3,16 +3,21 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Protocol
+
+from .turns import Turns
 
 FIRST_PAUSE_S = 0.25  # after the first death; it doubles
 PAUSE_MOST_S = 30.0
 WELL_S = 30.0  # who has lived for so long begins with the first pause again
 START_S = 60.0  # how long a bridge has to come to the network
 SILENT_S = 5.0  # then a process that has left the network, and lives, is killed
+STARVED_S = 0.005  # whose threads wait for so long for each of their turns is too late for the network
+PATIENCE_S = 120.0  # how long such a process may be off the network
 END_S = 5.0  # how long a process has to end in order
 _LINES = 20
 _LAST_LINES_S = 1.0  # how long the last lines of a process have to come
@@ -53,7 +58,9 @@ class BridgeProcess:
         self._reader: threading.Thread | None = None
         self._began_s = self._seen_s = self._due_s = 0.0
         self._pause_s = FIRST_PAUSE_S
-        self._came = False
+        self._wait_until_s = 0.0  # how long a process may be off the network
+        self._turns = Turns()  # those that it had when that began
+        self.killed_s: float | None = None  # when it was killed for that; until it is on the network again
 
     @property
     def pid(self) -> int | None:
@@ -64,8 +71,11 @@ class BridgeProcess:
         """How long the process has run."""
         return now_s - self._began_s if self._process is not None else 0.0
 
-    def look(self, now_s: float, *, on_network: bool) -> None:
-        """Start what should run and does not; kill what runs and is not on the network any more."""
+    def look(self, now_s: float, *, on_network: bool, may_kill: bool = True) -> None:
+        """Start what should run and does not; kill what runs and is not on the network any more.
+
+        One that waits for a processor is not killed before PATIENCE_S: its successor would wait even longer.
+        """
         if self._process is None:
             if now_s >= self._due_s:
                 self._start(now_s)
@@ -74,10 +84,20 @@ class BridgeProcess:
         if code is not None:
             self._ended(code, now_s)
         elif on_network:
-            self._came, self._seen_s = True, now_s
-        elif now_s - self._seen_s > (SILENT_S if self._came else START_S):
+            self._seen_s, self._wait_until_s, self.killed_s = now_s, 0.0, None
+        elif not self._wait_until_s:  # it has just left
+            self._wait(now_s + SILENT_S, Turns.of(self._process.pid))
+        elif may_kill and now_s > self._wait_until_s:
+            turns = Turns.of(self._process.pid)
+            if now_s < self._seen_s + PATIENCE_S and turns.mean_wait_s(self._turns) > STARVED_S:
+                self._wait(now_s + SILENT_S, turns)
+                return
             self._say(f"process {self._process.pid} lives, and is not on the network: it is killed")
             self._process.kill()
+            self.killed_s, self._wait_until_s = now_s, math.inf
+
+    def _wait(self, until_s: float, turns: Turns) -> None:
+        self._wait_until_s, self._turns = until_s, turns
 
     def ask_to_end(self) -> None:
         """Send SIGTERM."""
@@ -103,8 +123,8 @@ class BridgeProcess:
         self._due_s, self._pause_s, self.trouble = 0.0, FIRST_PAUSE_S, ""
 
     def _start(self, now_s: float) -> None:
-        self._came = False
         self._began_s = self._seen_s = now_s
+        self._wait(now_s + START_S, Turns())
         self._lines.clear()
         try:
             self._process = process = self._launch()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import LinkBusy, LinkNotFound
 
-from .bridge_process import BridgeProcess, Running
+from .bridge_process import START_S, BridgeProcess, Running
 from .description import ROBOT_PREFIX, Fleet, FleetRobot
 from .report import RobotReport, report_of
 from .roll_call import RollCall
@@ -155,11 +155,16 @@ class Supervisor:
             with self._lock:
                 for name, process in self._processes.items():
                     bridges = self._call.of(self.robots[name].key).bridges
-                    process.look(now_s, on_network=deaf or bool(bridges))
+                    process.look(now_s, on_network=deaf or bool(bridges), may_kill=self._may_kill(now_s))
             if now_s - asked_s >= ASK_S or self._news.is_set():
                 asked_s = now_s
                 self._news.clear()
                 self._call.ask(ASK_S)
+
+    def _may_kill(self, now_s: float) -> bool:
+        """Whether no bridge that was killed is on its way back. If many are silent, it is not their fault."""
+        killed = (process.killed_s for process in self._processes.values())
+        return all(at_s is None or now_s > at_s + START_S for at_s in killed)
 
     def _end(self) -> None:
         self._ended.set()

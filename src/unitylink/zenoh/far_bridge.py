@@ -27,13 +27,9 @@ from .failures import decode_failure
 from .far_clock import FarClock
 from .hello import read_welcome
 from .messages import (
-    ATOMIC,
-    CHECKED,
     CLOCK,
     DO,
     LEAVE,
-    ONCE,
-    UNCHECKED,
     VISIT,
     Answer,
     Operation,
@@ -48,7 +44,7 @@ if TYPE_CHECKING:
 
 _LOOK_S = 1.0  # how long to look for the board
 _CLOCK_S = 0.5  # how often its clock is asked, and whether it still knows this client
-_HELLOS = 3  # before it is asked whether this client may read
+_GREET_S = 6.0  # how long a bridge whose board is there has to answer the first hello
 _PAUSE_S = 0.02  # before a bridge is asked again that was not there
 
 
@@ -83,7 +79,7 @@ class FarBridge:
             self._watch = self.session.liveliness().declare_subscriber(
                 self.keys.board("*"), self._heard_board
             )
-            self._greet()
+            self._greet_first()
         except BaseException:
             self.session.close()
             raise
@@ -241,6 +237,24 @@ class FarBridge:
             return LinkDown(f"{self.options.url}: {error}")
         return None
 
+    def insist(
+        self, what: str, data: bytes = b"", *, each_s: float, within_s: float, urgent: bool = False
+    ) -> bytes | None:
+        """Ask at a fixed key until there is an answer, which it is no harm to do twice.
+
+        Nobody may be there for a moment: after the return of a router, keys come one after the other. Raises
+        the error that is answered. None: there was no answer.
+        """
+        until_s = time.monotonic() + within_s
+        while (left_s := until_s - time.monotonic()) > 0:
+            answer = self.once(self.keys.fixed(what), data, min(each_s, left_s), urgent=urgent)
+            if isinstance(answer, bytes):
+                return answer
+            if answer is not None:
+                raise answer
+            time.sleep(_PAUSE_S)
+        return None
+
     _here = threading.local()
 
     @property
@@ -269,15 +283,7 @@ class FarBridge:
             )
         name = "-".join(filter(None, (self.options.name, secrets.token_hex(8))))
         token = self.session.liveliness().declare_token(self.keys.client(name))
-        hello = json.dumps({"client": name}).encode()
-        # If nobody answers at once, the network does not let us write. Perhaps it lets us read. But a bridge
-        # that has just come back may be seen before its keys are, so it is asked several times.
-        for key in (*["hello"] * _HELLOS, "hello_read"):
-            asked_ns = time.monotonic_ns()
-            answer = self.once(self.keys.fixed(key), hello, _LOOK_S)
-            if answer is not None or time.monotonic_ns() - asked_ns >= _LOOK_S * 5e8:
-                break
-            time.sleep(_PAUSE_S)
+        answer, asked_ns = self._hello(json.dumps({"client": name}).encode())
         heard_ns = time.monotonic_ns()
         try:
             if not isinstance(answer, bytes):
@@ -297,6 +303,38 @@ class FarBridge:
             self.configuration = told["configuration"]
         if old is not None:
             old.undeclare()
+
+    def _greet_first(self) -> None:
+        """Greet until the bridge has time for it. Many clients may come at the same time."""
+        until_s = time.monotonic() + _GREET_S
+        while True:
+            try:
+                return self._greet()
+            except LinkTimeout:
+                if time.monotonic() > until_s:
+                    raise
+
+    def _hello(self, hello: bytes) -> tuple[bytes | UnityLinkError | None, int]:
+        """Say hello. Return the answer, and when the bridge was asked.
+
+        If there is nobody, the network does not let us write, and perhaps it lets us read. Or the bridge has
+        just come back, and its keys are not there yet: its clock comes after them.
+        """
+        until_s = time.monotonic() + _LOOK_S
+        while True:
+            asked_ns = time.monotonic_ns()
+            answer = self.once(self.keys.fixed("hello"), hello, _LOOK_S)
+            if answer is not None or self._last_reached or time.monotonic() > until_s:
+                return answer, asked_ns
+            if self.once(self.keys.fixed("clock"), b"", _LOOK_S) is not None:
+                break
+            time.sleep(_PAUSE_S)
+        for key in ("hello", "hello_read"):
+            asked_ns = time.monotonic_ns()
+            answer = self.once(self.keys.fixed(key), hello, _LOOK_S)
+            if answer is not None or self._last_reached:
+                break
+        return answer, asked_ns
 
     def _look_for_boards(self) -> set[str]:
         until_s = time.monotonic() + _LOOK_S
@@ -402,9 +440,3 @@ class FarBridge:
                 self.clock.learn(asked_ns, told_ns, heard_ns)
                 return True
         return answer if isinstance(answer, UnityLinkError) and self._last_reached else False
-
-
-def flags_of(checked: bool | None, once: bool, atomic: bool) -> int:
-    """Return the flags of a request."""
-    told = 0 if checked is None else CHECKED if checked else UNCHECKED
-    return told | (ONCE if once else 0) | (ATOMIC if atomic else 0)

@@ -27,15 +27,17 @@ from unitylink.errors import (
     ValueRangeError,
 )
 
-from .far_bridge import FarBridge, flags_of
+from .far_bridge import FarBridge
 from .far_groups import FarGroup, FarGroups
 from .messages import (
     ARM,
     ATOMIC,
+    CHECKED,
     ON_EVENT,
     ONCE,
     OPERATIONS_MAX,
     SUBSCRIBE,
+    UNCHECKED,
     UNSUBSCRIBE,
     VERIFY,
     Operation,
@@ -102,20 +104,20 @@ class FarLine:
     # ---- words
 
     def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None) -> int:
-        flags = flags_of(checked, not repeat, False)
+        flags = _flags_of(checked, not repeat, False)
         return self.bridge.ask(operations=((_READ, address, 0, 0),), flags=flags, timeout_s=timeout_s)[0]
 
     def write(
         self, address: int, value: int, checked: bool | None, repeat: bool, timeout_s: float | None
     ) -> None:
-        flags = flags_of(checked, True, False)
+        flags = _flags_of(checked, True, False)
         self.bridge.ask(operations=((_WRITE, address, value, 0),), flags=flags, timeout_s=timeout_s)
 
     def read_many(
         self, addresses: Any, atomic: bool, checked: bool | None, repeat: bool, timeout_s: float | None
     ) -> Words:
         operations = operations_of(_READ, _integers(addresses))
-        return self._words(operations, flags_of(checked, not repeat, atomic), timeout_s)
+        return self._words(operations, _flags_of(checked, not repeat, atomic), timeout_s)
 
     def sample(
         self, addresses: Any, atomic: bool, checked: bool | None, repeat: bool, timeout_s: float | None
@@ -134,13 +136,13 @@ class FarLine:
         if len(to) != len(words):
             raise ValueRangeError(f"{len(to)} addresses and {len(words)} values; nothing was sent")
         operations = tuple((_WRITE, address, value, 0) for address, value in zip(to, words, strict=True))
-        self._words(operations, flags_of(checked, True, False), timeout_s)
+        self._words(operations, _flags_of(checked, True, False), timeout_s)
 
     def transfer(self, writes: Pairs, reads: Any, atomic: bool, timeout_s: float | None) -> Words:
         pairs = [(int(address), int(value)) for address, value in writes]
         operations = tuple((_WRITE, address, value, 0) for address, value in pairs)
         operations += operations_of(_READ, _integers(reads))
-        return self._words(operations, flags_of(None, bool(pairs), atomic), timeout_s)
+        return self._words(operations, _flags_of(None, bool(pairs), atomic), timeout_s)
 
     def do_list(  # noqa: PLR0917
         self,
@@ -204,14 +206,10 @@ class FarLine:
         self.bridge.ask(ARM, timeout_s=timeout_s)
 
     def trip(self, timeout_s: float | None) -> None:
-        key, wait_s = self._options.keys.fixed("stop"), timeout_s or self._options.timeout_s
-        for _ in range(self._options.attempts):  # a stop does no harm if it comes twice
-            answer = self.bridge.once(key, b"", wait_s, urgent=True)
-            if isinstance(answer, bytes):
-                return
-            if answer is not None:
-                raise answer
-        raise LinkClosed(f"{self._options.url}: no answer to the stop")
+        each_s = timeout_s or self._options.timeout_s
+        within_s = each_s * self._options.attempts  # a stop does no harm if it comes twice
+        if self.bridge.insist("stop", each_s=each_s, within_s=within_s, urgent=True) is None:
+            raise LinkClosed(f"{self._options.url}: no answer to the stop")
 
     def watch_program(self, patience_s: float) -> None:
         if patience_s:
@@ -435,3 +433,9 @@ class FarLine:
 
 def _integers(numbers: Any) -> list[int]:
     return numbers.tolist() if isinstance(numbers, np.ndarray) else [int(number) for number in numbers]
+
+
+def _flags_of(checked: bool | None, once: bool, atomic: bool) -> int:
+    """Return the flags of a request."""
+    told = 0 if checked is None else CHECKED if checked else UNCHECKED
+    return told | (ONCE if once else 0) | (ATOMIC if atomic else 0)

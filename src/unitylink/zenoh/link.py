@@ -74,14 +74,11 @@ class ZenohLink(Link):
         return SetPoints(self, self._far, part, ttl_s)
 
     def _text(self, what: str) -> str:
-        bridge = self._far.bridge
-        for _ in range(bridge.options.attempts):
-            answer = bridge.once(bridge.keys.fixed(what), b"", _TEXT_S)
-            if isinstance(answer, bytes):
-                return answer.decode("utf-8", "replace")
-            if answer is not None:
-                raise answer
-        raise LinkTimeout(f"{self.url}: the bridge does not tell its {what}")
+        within_s = _TEXT_S * self._far.bridge.options.attempts
+        answer = self._far.bridge.insist(what, each_s=_TEXT_S, within_s=within_s)
+        if answer is None:
+            raise LinkTimeout(f"{self.url}: the bridge does not tell its {what}", elapsed_s=within_s)
+        return answer.decode("utf-8", "replace")
 
 
 @cache

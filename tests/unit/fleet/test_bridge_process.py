@@ -12,11 +12,14 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.fleet import turns
 from unitylink.fleet.bridge_process import (
     FIRST_PAUSE_S,
+    PATIENCE_S,
     PAUSE_MOST_S,
     SILENT_S,
     START_S,
+    STARVED_S,
     WELL_S,
     BridgeProcess,
 )
@@ -87,12 +90,55 @@ def test_who_has_left_the_network_and_lives_is_killed(make: Make, said: list[str
     one.look(100.0 + START_S, on_network=False)
     assert not said, "it may take its time to come"
     one.look(101.0 + START_S, on_network=True)
-    one.look(101.0 + START_S + SILENT_S, on_network=False)
+    left_s = 101.1 + START_S
+    one.look(left_s, on_network=False)
+    one.look(left_s + SILENT_S, on_network=False)
     assert not said
-    one.look(101.1 + START_S + SILENT_S, on_network=False)
-    assert "is killed" in said[0]
+    one.look(left_s + SILENT_S + 0.1, on_network=False, may_kill=False)
+    assert not said, "another one is on its way back"
+    one.look(left_s + SILENT_S + 0.1, on_network=False)
+    assert "is killed" in said[0] and one.killed_s is not None
+    one.look(left_s + SILENT_S + 0.2, on_network=False)
+    assert len(said) == 1 or "is started again" in said[1]
     wait_dead(one, 200.0)
     assert one.trouble == "ended with signal 9" and one.restarts == 1
+
+
+def test_who_waits_for_a_processor_is_not_killed_for_being_late(
+    make: Make, said: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To start a bridge takes more of what is missing than to let it go on."""
+    monkeypatch.setattr(turns, "PROCESSES", tmp_path / "proc")
+    one = make("exec sleep 60")
+    one.look(0.0, on_network=False)
+
+    def waits(mean_s: float, count: int) -> None:
+        task = tmp_path / "proc" / str(one.pid) / "task" / "7"
+        task.mkdir(parents=True, exist_ok=True)
+        (task / "schedstat").write_text(f"5 {round(mean_s * 1e9) * count} {count}\n")
+
+    waits(STARVED_S, 100)
+    one.look(1.0, on_network=True)
+    one.look(2.0, on_network=False)
+    for number in range(1, 5):
+        waits(1.5 * STARVED_S, 100 * (1 + number))
+        one.look(2.1 + number * (SILENT_S + 0.1), on_network=False)
+    assert not said
+    one.look(30.0, on_network=True)
+    one.look(40.0, on_network=False)
+    waits(0.1 * STARVED_S, 10000)  # now it has its processor, and is silent
+    one.look(40.1 + SILENT_S, on_network=False)
+    assert "is killed" in said[0]
+    wait_dead(one, 50.0)
+    said.clear()
+    one.look(60.0, on_network=True)
+    one.look(61.0, on_network=True)
+    waits(0.0, 1)
+    one.look(62.0, on_network=False)
+    waits(10 * STARVED_S, 1000)
+    one.look(61.0 + PATIENCE_S, on_network=False)
+    assert "is killed" in said[0], "and nobody waits for ever"
+    wait_dead(one, 500.0)
 
 
 def test_it_is_ended_in_order_and_what_ignores_that_is_killed(

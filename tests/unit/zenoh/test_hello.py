@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from unit.zenoh.rig import ANGLE, STAMP, Rig, rigged, until
 
 from unitylink import connect
 from unitylink.errors import LinkDown, ProtocolError
+from unitylink.zenoh import far_bridge
 from unitylink.zenoh.far_bridge import FarBridge
 from unitylink.zenoh.link import ZenohLink
 
@@ -44,8 +47,9 @@ def test_a_state_that_is_none_is_refused(rig: Rig, monkeypatch: pytest.MonkeyPat
             link.state()
 
 
+@pytest.mark.parametrize("nobody", [1, 9])
 def test_a_writer_does_not_become_a_reader_by_an_early_hello(
-    rig: Rig, monkeypatch: pytest.MonkeyPatch
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, nobody: int
 ) -> None:
     """The token of a bridge may be seen before its keys are."""
     said: list[str] = []
@@ -53,9 +57,51 @@ def test_a_writer_does_not_become_a_reader_by_an_early_hello(
 
     def early(self: FarBridge, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
         said.append(key.rpartition("/")[2])
-        return None if len(said) == 1 else once(self, key, data, timeout_s, **more)
+        return None if len(said) <= nobody else once(self, key, data, timeout_s, **more)
 
     monkeypatch.setattr(FarBridge, "once", early)
     with connect(rig.url()) as link:
         link.write(STAMP, 1)
-    assert said[:2] == ["hello", "hello"]
+    assert "hello_read" not in said
+
+
+def test_a_bridge_that_is_late_with_its_first_hello_is_greeted_again(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Many clients may come at the same time."""
+    monkeypatch.setattr(far_bridge, "_LOOK_S", 0.2)
+    enter, late = rig.bridge._guests.enter, [0.5]
+
+    def slowly(*who: str) -> Any:
+        time.sleep(late.pop() if late else 0.0)
+        return enter(*who)
+
+    monkeypatch.setattr(rig.bridge._guests, "enter", slowly)
+    with connect(rig.url()) as link:
+        link.write(STAMP, 2)
+    assert not late
+
+
+@pytest.mark.parametrize("what", ["spec", "stop"])
+def test_what_may_come_twice_is_asked_until_somebody_is_there(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    """Just after the return of a router, the keys of a bridge come one after the other."""
+    with connect(rig.url()) as link:
+        assert isinstance(link, ZenohLink)
+        once, asked = FarBridge.once, list[str]()
+
+        def nobody_yet(self: FarBridge, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
+            if key.endswith(f"/{what}"):
+                asked.append(key)
+                if len(asked) < 6:
+                    return None
+            return once(self, key, data, timeout_s, **more)
+
+        monkeypatch.setattr(FarBridge, "once", nobody_yet)
+        if what == "spec":
+            assert "joint()" in link.spec_text()
+        else:
+            link.trip()
+            link.arm()
+        assert len(asked) == 6
