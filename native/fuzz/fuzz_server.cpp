@@ -58,9 +58,9 @@ class Fuzz final : public Host {
       if (chance(4)) {
         session_->publish(pick(4), pick(3), pick(1u << 31), std::array<std::uint8_t, 8>{});
       }
-      if (asked_ && chance(3)) {
-        asked_ = false;
-        session_->resume(chance(2));
+      if (asked_ != Session::Ask::nothing && chance(3)) {
+        session_->resume(std::exchange(asked_, Session::Ask::nothing),
+                         chance(2) ? protocol::reply_status::ok : protocol::serve::lease_held);
       }
       take_output(!chance(3));
     }
@@ -124,13 +124,13 @@ class Fuzz final : public Host {
     return chance(5) ? protocol::reply_status::no_group : protocol::reply_status::ok;
   }
   [[nodiscard]] std::uint32_t set_dead_man() override { return protocol::reply_status::ok; }
-  [[nodiscard]] std::uint32_t arm() override { return protocol::reply_status::ok; }
   void ask_for_lease(Session&, std::uint32_t address) override {
     if (address < writable_from || address >= leased_from) {
       fail("a lease is asked for that is there, or cannot be had");
     }
-    asked_ = true;
+    asked_ = Session::Ask::lease;
   }
+  void ask_to_arm(Session&) override { asked_ = Session::Ask::arm; }
   void trip() noexcept override {}
   [[nodiscard]] std::uint64_t trips() const noexcept override { return 0; }
   void notice_trip() noexcept override {}
@@ -284,7 +284,7 @@ class Fuzz final : public Host {
   FrameKey key_;
   FrameDecoder decoder_;
   std::uint16_t nonce_ = 0, id_ = 0, post_ = 0;
-  bool asked_ = false;
+  Session::Ask asked_ = Session::Ask::nothing;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "bindings.hpp"
 #include "layer0_driver/serve_question.hpp"
+#include "link_arguments.hpp"
 #include "server/board_server.hpp"
 #include "server/conversation.hpp"
 #include "server/door.hpp"
@@ -93,7 +94,7 @@ nb::list wait_news(BoardServer& server, double timeout_s) {
     GilRelease release;
     told = server.wait_news(static_cast<std::uint64_t>(timeout_s * 1e9));
   }
-  constexpr const char* kinds[] = {"asks", "left", "gone", "silent"};
+  constexpr const char* kinds[] = {"asks", "left", "gone", "silent", "arms"};
   nb::list result;
   for (const News& news : told) {
     result.append(nb::make_tuple(news.client, kinds[static_cast<std::size_t>(news.kind)], news.address));
@@ -150,6 +151,18 @@ class PythonServer {
   }
   BoardServer server;
 };
+
+// Another thread gives the server an order, and waits.
+template <class Call>
+void order(nb::handle timeout_s, const Call& call) {
+  const RequestOptions options = options_of(nb::none(), false, timeout_s);
+  Outcome outcome;
+  {
+    const GilRelease release;
+    outcome = call(options);
+  }
+  raise_unless_ok(outcome);
+}
 
 PythonServer* make_server(Link& link, const Ranges& plain) {
   if (!link.framed()) {
@@ -223,12 +236,16 @@ void bind_server(nb::module_& module) {
       .def(
           "set_grant",
           [](PythonServer& self, std::uint64_t id, const Ranges& reads, const Ranges& writes, const Ranges& leased,
-             bool arm, std::optional<bool> given) {
+             bool arm, std::optional<std::pair<std::string, std::uint32_t>> decided) {
             Grant grant = grant_of(reads, writes, leased, arm);
+            std::optional<BoardServer::Decision> decision;
+            if (decided) {
+              decision = {decided->first == "arms" ? Session::Ask::arm : Session::Ask::lease, decided->second};
+            }
             const GilRelease release;
-            return self.server.set_grant(id, std::move(grant), given);
+            return self.server.set_grant(id, std::move(grant), decision);
           },
-          "id"_a, "reads"_a, "writes"_a, "leased"_a, "arm"_a, "given"_a.none())
+          "id"_a, "reads"_a, "writes"_a, "leased"_a, "arm"_a, "decided"_a.none())
       .def(
           "wait_news", [](PythonServer& self, double timeout_s) { return wait_news(self.server, timeout_s); },
           "timeout_s"_a)
@@ -246,7 +263,18 @@ void bind_server(nb::module_& module) {
             return self.server.silent(static_cast<std::uint64_t>(limit_s * 1e9));
           },
           "limit_s"_a)
-      .def("stop_outputs", [](PythonServer& self) { self.server.stop_outputs(); })
+      .def(
+          "trip",
+          [](PythonServer& self, nb::handle timeout_s) {
+            order(timeout_s, [&](const RequestOptions& how) { return self.server.trip(how); });
+          },
+          "timeout_s"_a.none())
+      .def(
+          "arm",
+          [](PythonServer& self, nb::handle timeout_s) {
+            order(timeout_s, [&](const RequestOptions& how) { return self.server.arm(how); });
+          },
+          "timeout_s"_a.none())
       .def("report", [](PythonServer& self) { return report(self.server); })
       .def("close", [](PythonServer& self) {
         const GilRelease release;

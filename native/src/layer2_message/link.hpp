@@ -174,13 +174,13 @@ class Link {
   // Sets the dead-man: after `silence_s` seconds without a message from this link, the gateware makes its outputs safe.
   // 0: never. The link sends signs of life while nobody calls. mismatch: the gateware has no dead-man.
   [[nodiscard]] Outcome set_dead_man(double silence_s, const RequestOptions& how);
-  // Allows writes again after the dead-man has tripped, and starts it again. If it tripped in the open session, a new
-  // session begins.
+  // Allows writes again after it has tripped, and starts it. If it tripped in the open session, another one begins.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
-  // Arming does not start the dead-man again. Nothing is sent.
-  void forget_dead_man();
-  // Makes the outputs safe now, as the dead-man does. Nothing is sent for the time that this takes: two ticks of the
-  // base frequency and 0.4 ms. mismatch: the gateware has no dead-man.
+  // It has tripped: it gets no more signs of life, and arm() starts it with `ticks`. Nothing is sent.
+  void rest_dead_man(std::uint32_t ticks);
+  [[nodiscard]] std::uint32_t dead_man_ticks();  // the last setting; 0: none
+  // Makes the outputs safe now, as the dead-man does; arm() starts it as before. Nothing is sent meanwhile: for two
+  // ticks of the base frequency and 0.4 ms. mismatch: the gateware has no dead-man.
   [[nodiscard]] Outcome trip(const RequestOptions& how);
   // The dead-man watches the link. This call makes the link also watch the program. If alive() is not called for
   // `patience_s`, the link gives its line up. With reconnect=1 the line is opened again at the next call of alive(),

@@ -271,12 +271,17 @@ Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
   return outcome;
 }
 
-void Link::forget_dead_man() {
+void Link::rest_dead_man(std::uint32_t ticks) {
   const std::scoped_lock lock(mutex_);
-  dead_man_ticks_ = 0;
+  dead_man_ticks_ = ticks;
   if (framed_) {
     framed_->stop_signs_of_life();  // else a new session would start it again
   }
+}
+
+std::uint32_t Link::dead_man_ticks() {
+  const std::scoped_lock lock(mutex_);
+  return dead_man_ticks_;
 }
 
 Outcome Link::arm(const RequestOptions& how) {
@@ -314,8 +319,8 @@ Outcome Link::trip(const RequestOptions& how) {
     if (!outcome.ok() && outcome.status != Status::denied) {
       return outcome;
     }
-    forget_dead_man();    // arming must not start a dead-man of one tick
-    if (!outcome.ok()) {  // denied: it has tripped already
+    rest_dead_man(dead_man_ticks());  // with its own limit, not with the one tick of this trip
+    if (!outcome.ok()) {              // denied: it has tripped already
       return {};
     }
     {

@@ -26,9 +26,9 @@ struct BoardServer::Client {
   std::uint64_t id;
   std::uint64_t since_ns;
   Session session;
-  std::uint32_t watched = 0;    // events of epoll
-  std::uint64_t stuck_ns = 0;   // since when it has taken nothing of what waits for it; 0: nothing waits
-  std::optional<bool> decided;  // whether it gets the lease that it waits for
+  std::uint32_t watched = 0;   // events of epoll
+  std::uint64_t stuck_ns = 0;  // since when it has taken nothing of what waits for it; 0: nothing waits
+  std::optional<Decision> decided;
   bool gone = false;
   bool silent = false;  // it did not take what was sent
 };

@@ -2,8 +2,8 @@
 // What concerns the outputs of the board: the dead-man that its clients share, and the groups that it publishes.
 //
 // Each client may have a dead-man. The server watches each by the frames of its own client, so no client keeps
-// another's awake. If one trips, the board's trips. The board has one dead-man, with the shortest limit of all. It
-// watches the server: if the server ends or hangs, it trips by itself.
+// another's awake. If one trips, the board's trips. The board has one dead-man, with the shortest limit of all, that of
+// the server's own link included. It watches the server: if the server ends or hangs, it trips by itself.
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -45,7 +45,7 @@ std::uint32_t BoardServer::define_group(Session& session, std::uint32_t group, s
 }
 
 std::uint32_t BoardServer::set_dead_man() {
-  std::uint32_t least = 0;
+  std::uint32_t least = own_ticks_;
   for (const auto& client : clients_) {
     const std::uint32_t ticks = client->gone ? 0 : client->session.dead_man_ticks();
     least = ticks > 0 && (least == 0 || ticks < least) ? ticks : least;
@@ -65,26 +65,61 @@ std::uint32_t BoardServer::set_dead_man() {
   return status_of_outcome(outcome);
 }
 
-std::uint32_t BoardServer::arm() {
+// Another thread wants something of the board, and waits for it.
+Outcome BoardServer::ordered(Order order) {
+  std::unique_lock lock(mutex_);
+  if (over_) {
+    return {Status::closed, "the server has ended"};
+  }
+  orders_.push_back(&order);
+  wake();
+  obeyed_.wait(lock, [&order] { return order.outcome.has_value(); });
+  return std::move(*order.outcome);
+}
+
+void BoardServer::obey(bool ending) {
+  if (orders_.empty()) {
+    return;
+  }
   Link& link = upstream_.link();
   link.leave();
+  for (Order* const order : std::exchange(orders_, {})) {
+    if (ending) {
+      order->outcome = Outcome(Status::closed, "the server has ended");
+    } else if (order->arms) {
+      order->outcome = arm_board(order->how);
+    } else {
+      order->outcome = link.trip(order->how);
+      if (order->outcome->ok()) {
+        notice_trip();
+      }
+    }
+  }
+  obeyed_.notify_all();
+}
+
+Outcome BoardServer::arm_board(const RequestOptions& how) {
+  Link& link = upstream_.link();
   std::uint32_t state = 0;
-  Outcome outcome = link.read_control(protocol::control::arm, std::span(&state, 1), {});
-  if (outcome.ok() && (state & 1) != 0 &&
-      !tripped_) {  // it tripped by itself: the dead-men of the clients end with that
-    notice_trip();
-    return status::denied;  // as for any session in which it tripped
+  Outcome outcome = link.read_control(protocol::control::arm, std::span(&state, 1), how);
+  if (outcome.ok() && (state & 1) != 0) {
+    notice_trip();  // it tripped by itself: the dead-men of the clients end with that
   }
   if (outcome.ok()) {
-    outcome = link.arm({});
+    outcome = link.arm(how);
   }
   if (outcome.ok()) {
     tripped_ = false;
     generation_ = link.generation();  // arming may have begun another session, which is no restart
     board_ticks_ = unknown_ticks;
-    return set_dead_man();
+    for (const auto& client : clients_) {
+      client->session.wake_dead_man(link.now_ns());
+    }
+    if (set_dead_man() == Host::unanswered) {
+      return {Status::timeout, "the device was armed, but did not confirm the limit of its dead-man"};
+    }
   }
-  return status_of_outcome(outcome);
+  return outcome;
 }
 
 void BoardServer::notice_trip() noexcept {
@@ -93,9 +128,9 @@ void BoardServer::notice_trip() noexcept {
   }
   report_.trips += 1;
   board_ticks_ = 0;
-  upstream_.link().forget_dead_man();
+  upstream_.link().rest_dead_man(own_ticks_);
   for (const auto& client : clients_) {
-    client->session.stop_dead_man();
+    client->session.rest_dead_man(upstream_.link().now_ns());
   }
 }
 

@@ -27,7 +27,9 @@ BoardServer::BoardServer(Link& link, Addresses plain)
       fan_out_(link),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      generation_(link.generation()) {
+      generation_(link.generation()),
+      own_ticks_(link.dead_man_ticks()),
+      board_ticks_(own_ticks_) {
   epoll_event event{.events = EPOLLIN, .data = {.ptr = nullptr}};
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_.get(), &event);
   thread_ = std::thread([this] { run(); });
@@ -53,15 +55,15 @@ std::uint64_t BoardServer::admit(Connection connection, std::string name, Grant 
   return id;
 }
 
-bool BoardServer::set_grant(std::uint64_t id, Grant grant, std::optional<bool> given) {
+bool BoardServer::set_grant(std::uint64_t id, Grant grant, std::optional<Decision> decided) {
   const std::scoped_lock lock(mutex_);
   const auto found = std::ranges::find_if(clients_, [id](const auto& client) { return client->id == id; });
   if (found == clients_.end()) {
     return false;
   }
   (*found)->session.set_grant(std::move(grant));
-  if (given) {
-    (*found)->decided = given;
+  if (decided) {
+    (*found)->decided = decided;
     wake();
   }
   return true;
@@ -74,9 +76,15 @@ std::vector<News> BoardServer::wait_news(std::uint64_t timeout_ns) {
 }
 
 void BoardServer::ask_for_lease(Session& session, std::uint32_t address) {
+  tell_of(session, News::Kind::asks, address);
+}
+
+void BoardServer::ask_to_arm(Session& session) { tell_of(session, News::Kind::arms, 0); }
+
+void BoardServer::tell_of(const Session& session, News::Kind kind, std::uint32_t address) {
   const auto found = std::ranges::find_if(clients_, [&](const auto& client) { return &client->session == &session; });
   if (found != clients_.end()) {
-    tell({.client = (*found)->id, .kind = News::Kind::asks, .address = address});
+    tell({.client = (*found)->id, .kind = kind, .address = address});
   }
 }
 
@@ -106,11 +114,6 @@ std::vector<std::uint64_t> BoardServer::silent(std::uint64_t limit_ns) {
     }
   }
   return found;
-}
-
-void BoardServer::stop_outputs() {
-  trip_wanted_ = true;
-  wake();
 }
 
 ServerReport BoardServer::report() {
@@ -151,7 +154,8 @@ void BoardServer::run() {
       const std::scoped_lock lock(mutex_);
       looking = upstream_.under_way() > 0;
       // While nobody is here, threads of this program that use the link read their answers themselves.
-      resting = clients_.empty() && admitted_.empty() && !looking && !trip_wanted_ && !link.in_steps();
+      resting =
+          clients_.empty() && admitted_.empty() && orders_.empty() && !looking && !trip_wanted_ && !link.in_steps();
       until_ns = due_ns();
     }
     const bool up = resting ? link.rest(epoll_.get(), until_ns) : link.attend(epoll_.get(), until_ns, looking);
@@ -172,6 +176,8 @@ void BoardServer::run() {
   }
   harvest();
   link.leave();
+  over_ = true;
+  obey(true);
 }
 
 void BoardServer::turn(bool up) {
@@ -187,12 +193,13 @@ void BoardServer::turn(bool up) {
   wait_for_descriptors();
   admit_waiting();
   for (const auto& client : clients_) {
-    if (const std::optional<bool> given = std::exchange(client->decided, std::nullopt); given && !client->gone) {
-      client->session.resume(*given);
+    if (const auto decided = std::exchange(client->decided, std::nullopt); decided && !client->gone) {
+      client->session.resume(decided->what, decided->outcome);
     }
   }
   look_at_dead_men();
   make_safe();
+  obey(false);
   for (const auto& client : clients_) {
     const bool idle = client->watched == EPOLLIN && client->session.output().empty() && client->session.wants_bytes();
     if (!idle && !client->gone) {
@@ -219,7 +226,7 @@ std::uint64_t BoardServer::due_ns() const noexcept {
   for (const auto& client : clients_) {
     due = std::min(due, client->session.dead_man_due_ns());
   }
-  return trip_wanted_ ? now : due;
+  return trip_wanted_ || !orders_.empty() ? now : due;
 }
 
 void BoardServer::harvest() {

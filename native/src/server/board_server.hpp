@@ -53,6 +53,7 @@ struct News {
     left,    // it has closed its link, and then its connection
     gone,    // its connection has ended, without that
     silent,  // its dead-man has tripped
+    arms,    // it wants that writes are allowed again
   };
   std::uint64_t client = 0;
   Kind kind = Kind::asks;
@@ -68,21 +69,31 @@ class BoardServer final : public Host {
   // Takes a client that has logged in. `name` is that of its user: clients of one name share the turns of one.
   // Returns its number.
   std::uint64_t admit(Connection connection, std::string name, Grant grant);
-  // Changes what a client may do. If it waits for a lease, `given` decides. False: it is gone.
-  bool set_grant(std::uint64_t id, Grant grant, std::optional<bool> given);
+  // Changes what a client may do. `decided` answers what it has asked for (Session::resume). False: it is gone.
+  struct Decision {
+    Session::Ask what = Session::Ask::nothing;
+    Session::Status outcome = 0;
+  };
+  bool set_grant(std::uint64_t id, Grant grant, std::optional<Decision> decided);
   // Waits for news. Each is told once.
   [[nodiscard]] std::vector<News> wait_news(std::uint64_t timeout_ns);
   bool drop(std::uint64_t id);
   // The clients that have sent no frame for so long.
   [[nodiscard]] std::vector<std::uint64_t> silent(std::uint64_t limit_ns);
-  // Makes the outputs safe, as a dead-man would.
-  void stop_outputs();
+  // As those of the link, and the clients' dead-men know of it. The thread of the server does it; another one waits.
+  [[nodiscard]] Outcome trip(const RequestOptions& how) { return ordered({.arms = false, .how = how}); }
+  [[nodiscard]] Outcome arm(const RequestOptions& how) { return ordered({.arms = true, .how = how}); }
   [[nodiscard]] ServerReport report();
   // Drops all clients and ends the thread. A dead-man that runs for a client trips first.
   void close();
 
  private:
   struct Client;
+  struct Order {
+    bool arms = false;  // else the dead-man is to trip
+    RequestOptions how;
+    std::optional<Outcome> outcome = std::nullopt;
+  };
 
   // Host
   [[nodiscard]] const Facts& facts() const noexcept override { return facts_; }
@@ -94,8 +105,8 @@ class BoardServer final : public Host {
                                            std::span<const std::uint32_t> addresses, std::uint32_t divisor,
                                            bool on_event) override;
   [[nodiscard]] std::uint32_t set_dead_man() override;
-  [[nodiscard]] std::uint32_t arm() override;
   void ask_for_lease(Session& session, std::uint32_t address) override;
+  void ask_to_arm(Session& session) override;
   void trip() noexcept override { trip_wanted_ = true; }
   [[nodiscard]] std::uint64_t trips() const noexcept override { return report_.trips; }
   void notice_trip() noexcept override;
@@ -106,7 +117,11 @@ class BoardServer final : public Host {
   void harvest();
   void look_at_dead_men();
   void make_safe();
+  [[nodiscard]] Outcome ordered(Order order);
+  void obey(bool ending);
+  [[nodiscard]] Outcome arm_board(const RequestOptions& how);
   void tell(const News& news);
+  void tell_of(const Session& session, News::Kind kind, std::uint32_t address);
   void receive(Client& client);
   void send(Client& client);
   void watch(Client& client, std::uint32_t wanted);
@@ -130,8 +145,12 @@ class BoardServer final : public Host {
   std::uint64_t clients_made_ = 0;
   std::map<std::string, std::uint32_t> users_;  // all names that have come so far, with a number each
   std::uint64_t generation_ = 0;
-  std::uint32_t board_ticks_ = 0;  // of the board's dead-man
+  const std::uint32_t own_ticks_;  // the limit that the link had before: the dead-man of the server itself
+  std::uint32_t board_ticks_;      // of the board's dead-man
   bool tripped_ = false;
+  std::vector<Order*> orders_;  // of other threads
+  bool over_ = false;           // the thread obeys no more
+  std::condition_variable obeyed_;
   ServerReport report_;
   std::vector<News> news_;
   std::condition_variable told_;

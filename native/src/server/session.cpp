@@ -97,6 +97,18 @@ std::uint64_t Session::dead_man_due_ns() const noexcept {
   return dead_man_ticks_ == 0 ? Engine::no_deadline : fed_ns_ + std::uint64_t{dead_man_ticks_} * 1'000'000'000 / hz;
 }
 
+void Session::rest_dead_man(std::uint64_t now_ns) noexcept {
+  resting_ticks_ = dead_man_due_ns() > now_ns && dead_man_ticks_ > 0 ? dead_man_ticks_ : resting_ticks_;
+  dead_man_ticks_ = 0;
+}
+
+void Session::wake_dead_man(std::uint64_t now_ns) noexcept {
+  if (resting_ticks_ > 0) {
+    dead_man_ticks_ = std::exchange(resting_ticks_, 0);
+    fed_ns_ = now_ns;
+  }
+}
+
 // ---- sessions
 
 void Session::hello(std::span<const std::uint8_t> payload) {
@@ -156,7 +168,9 @@ void Session::begin_session(const FrameKey& key) {
   decoder_.set_key(key);
   waiting_.clear();
   waiting_bytes_ = 0;
-  asks_ = refused_ = false;
+  asks_ = Ask::nothing;
+  refused_ = 0;
+  armed_ = false;
   running_ = 0;
   alone_ = false;
   for (std::size_t index = 0; index < places_.size(); ++index) {
@@ -171,6 +185,7 @@ void Session::begin_session(const FrameKey& key) {
   for (std::uint32_t group = 0; group < sequences_.size(); ++group) {
     static_cast<void>(host_.define_group(*this, group, {}, 0, false));
   }
+  resting_ticks_ = 0;
   if (std::exchange(dead_man_ticks_, 0) > 0) {
     host_.trip();
   }
@@ -210,17 +225,41 @@ Session::Lack Session::lack(std::uint32_t address, bool writes) {
   if (!writes || grant_.leased.has(address)) {
     return Lack::nothing;
   }
-  if (std::exchange(refused_, false)) {
-    return Lack::lease;
+  if (refused_ != 0) {
+    return Lack::refused;
   }
-  if (!std::exchange(asks_, true)) {
+  if (std::exchange(asks_, Ask::lease) == Ask::nothing) {
     host_.ask_for_lease(*this, address);
+  }
+  return Lack::answer;
+}
+
+// Not in the session in which the dead-man has tripped, and with the right to do it. Without a dead-man, too: the
+// server itself has stopped such a board.
+bool Session::may_ask_to_arm() const noexcept {
+  return request_.operation == request_kind::write_control && request_.address == control::arm && request_.value == 1 &&
+         grant_.arm && trips_ == host_.trips();
+}
+
+// Who governs the server decides, and arms the board.
+Session::Lack Session::lack_to_arm() {
+  if (std::exchange(armed_, false)) {
+    return Lack::nothing;
+  }
+  if (refused_ != 0) {
+    return Lack::refused;
+  }
+  if (std::exchange(asks_, Ask::arm) == Ask::nothing) {
+    host_.ask_to_arm(*this);
   }
   return Lack::answer;
 }
 
 // The first thing that `request_` lacks.
 Session::Lack Session::lack() {
+  if (may_ask_to_arm()) {
+    return lack_to_arm();
+  }
   Lack found = Lack::nothing;
   const auto look = [&](std::uint32_t address, bool writes) {
     found = found == Lack::nothing ? lack(address, writes) : found;
@@ -238,16 +277,17 @@ Session::Lack Session::lack() {
   return found;
 }
 
-bool Session::refuses(Lack lack, Status& why) {
-  why = lack == Lack::right ? protocol::serve::not_allowed : protocol::serve::lease_held;
-  const bool refused = lack == Lack::right || lack == Lack::lease;
-  counters_.refused += refused ? 1 : 0;
-  return refused;
+bool Session::refuses(Lack lack, Status& why) noexcept {
+  why = lack == Lack::right ? protocol::serve::not_allowed : lack == Lack::refused ? std::exchange(refused_, 0) : 0;
+  counters_.refused += why != 0 ? 1 : 0;
+  return why != 0;
 }
 
-void Session::resume(bool given) {
-  if (std::exchange(asks_, false)) {
-    refused_ = !given;
+void Session::resume(Ask what, Status outcome) {
+  if (asks_ == what) {  // else that session is over
+    asks_ = Ask::nothing;
+    refused_ = outcome;
+    armed_ = outcome == status::ok && what == Ask::arm;
     pump();
   }
 }

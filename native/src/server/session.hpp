@@ -37,6 +37,8 @@ struct Counters {
 
 class Session {
  public:
+  using Status = std::uint32_t;  // one of protocol::reply_status
+
   // Clients of the same `user` share his turns.
   Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_ns, std::uint32_t user = 0);
 
@@ -60,15 +62,19 @@ class Session {
   // The dead-man of this client: its limit in ticks (0: none), and when it is over.
   [[nodiscard]] std::uint32_t dead_man_ticks() const noexcept { return dead_man_ticks_; }
   [[nodiscard]] std::uint64_t dead_man_due_ns() const noexcept;
-  // The dead-man of the board has tripped, so none runs.
-  void stop_dead_man() noexcept { dead_man_ticks_ = 0; }
+  // The dead-man of the board has tripped, so none runs. One that was not over by itself runs again when the board is
+  // armed, whoever does that.
+  void rest_dead_man(std::uint64_t now_ns) noexcept;
+  void wake_dead_man(std::uint64_t now_ns) noexcept;
   // The time since its last frame.
   [[nodiscard]] std::uint64_t silent_ns(std::uint64_t now_ns) const noexcept {
     return now_ns > fed_ns_ ? now_ns - fed_ns_ : 0;
   }
   void set_grant(Grant grant) { grant_ = std::move(grant); }
-  // A lease was decided about. Continues with the request that waits for it.
-  void resume(bool given);
+  // What a session asks of the one who governs: the write lease of an address, or that writes are allowed again.
+  enum class Ask : std::uint8_t { nothing, lease, arm };
+  // It was decided. Continues with the request that waits for it: ok, or it is refused with this status.
+  void resume(Ask what, Status outcome);
   // Its session was closed, or none was opened. So it leaves in order.
   [[nodiscard]] bool left_in_order() const noexcept { return !open(); }
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
@@ -78,8 +84,6 @@ class Session {
   void on_discard(Discard why, std::uint8_t kind, std::size_t bytes);
 
  private:
-  using Status = std::uint32_t;  // one of protocol::reply_status
-
   struct Place {
     std::uint16_t id = 0;
     bool empty = true;     // nothing was executed here
@@ -113,11 +117,13 @@ class Session {
   [[nodiscard]] Status write_control();
   void overlay(const Errand& errand, std::span<std::uint8_t> values) const noexcept;
   [[nodiscard]] std::size_t exchange_inputs(const Errand& errand, std::span<std::uint8_t> data) const noexcept;
-  // What a client lacks for a request: nothing, a right, or a lease that it must wait for, or does not get.
-  enum class Lack : std::uint8_t { nothing, right, lease, answer };
+  // What a client lacks for a request: nothing, a right, what it has asked for and does not get, or an answer.
+  enum class Lack : std::uint8_t { nothing, right, refused, answer };
   [[nodiscard]] Lack lack(std::uint32_t address, bool writes);
+  [[nodiscard]] Lack lack_to_arm();
+  [[nodiscard]] bool may_ask_to_arm() const noexcept;
   [[nodiscard]] Lack lack();
-  [[nodiscard]] bool refuses(Lack lack, Status& why);
+  [[nodiscard]] bool refuses(Lack lack, Status& why) noexcept;
   [[nodiscard]] bool executed(std::uint16_t id) const noexcept;
   [[nodiscard]] Place& place_of(std::uint16_t id) noexcept { return places_[id & (places_.size() - 1)]; }
 
@@ -131,8 +137,9 @@ class Session {
   Host& host_;
   Grant grant_;
   std::uint32_t user_;
-  bool asks_ = false;     // a lease is being decided about
-  bool refused_ = false;  // the request that waits does not get its lease
+  Ask asks_ = Ask::nothing;  // what is being decided
+  Status refused_ = 0;       // why the request that waits does not get what it has asked for; 0: it does
+  bool armed_ = false;       // the request that waits wants to arm, and that was done
   Counters counters_;
   FrameDecoder decoder_;
   FrameKey key_;
@@ -161,8 +168,9 @@ class Session {
   std::vector<std::uint16_t> sequences_;  // of the next publish of each group
   bool publishing_ = false;
   std::uint32_t dead_man_ticks_ = 0;
-  std::uint64_t fed_ns_;     // its last frame
-  std::uint64_t trips_ = 0;  // of the board, when the session began
+  std::uint32_t resting_ticks_ = 0;  // its limit, until the board is armed
+  std::uint64_t fed_ns_;             // its last frame
+  std::uint64_t trips_ = 0;          // of the board, when the session began
 
   std::vector<std::uint8_t> payload_;
   std::vector<std::uint8_t> out_;

@@ -38,8 +38,7 @@ bool Session::start_posts() {
     }
     const Lack lacking = turn ? lack() : Lack::nothing;
     if (lacking == Lack::answer || (lacking != Lack::nothing && !errand.posts.empty())) {
-      refused_ = refused_ || lacking == Lack::lease;  // asked again when those before it are executed
-      waits = lacking == Lack::answer;
+      waits = lacking == Lack::answer;  // else it is refused when those before it are executed
       break;
     }
     waiting_bytes_ -= sizeof(Waiting) + next.payload.size();

@@ -311,6 +311,7 @@ Session::Status Session::write_control() {
         return protocol::serve::not_allowed;
       }
       dead_man_ticks_ = request_.value;
+      resting_ticks_ = 0;
       fed_ns_ = now_ns_;
       if (const Status outcome = host_.set_dead_man(); outcome != status::ok) {
         dead_man_ticks_ = 0;
@@ -318,14 +319,11 @@ Session::Status Session::write_control() {
       }
       return status::ok;
     case control::arm:
-      if (!dead_man) {
-        return status::bad_address;
-      }
       if (!grant_.arm) {
         counters_.refused += 1;
         return protocol::serve::not_allowed;
       }
-      return request_.value != 1 ? status::invalid : trips_ != host_.trips() ? status::denied : host_.arm();
+      return request_.value != 1 ? status::invalid : trips_ != host_.trips() ? status::denied : status::ok;
     default: return status::bad_address;
   }
 }

@@ -6,8 +6,8 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl
@@ -19,6 +19,7 @@ from unitylink.errors import UnityLinkError
 
 from .failure import Failure
 from .several_options import Command, with_options
+from .stop_option import stop_file_option
 
 if TYPE_CHECKING:
     from unitylink.server.robot import Robot
@@ -47,7 +48,17 @@ _OPTIONS = (
         help="What clients on Zenoh may do: read, 'write j1.*', arm. Without it, all of that.",
     ),
     click.option("--audit", "audit_file", metavar="FILE", help="Add a line for each lease and refusal."),
+    stop_file_option,
 )
+
+
+@contextmanager
+def usage(option: str) -> Iterator[None]:
+    """Say which option of the command line an error is about."""
+    try:
+        yield
+    except UnityLinkError as error:
+        raise click.UsageError(f"{option}: {error}") from None
 
 
 def zenoh_options(command: Command) -> Command:
@@ -66,11 +77,12 @@ class ZenohOptions:
     anyone: bool
     may: Sequence[str]
     audit_file: str | None
+    stop_file: str | None = None
 
     @property
     def given(self) -> list[str]:
         """The options that were given."""
-        named = {"zenoh_config": "--zenoh-config", "audit_file": "--audit"}
+        named = {"zenoh_config": "--zenoh-config", "audit_file": "--audit", "stop_file": "--stop-file"}
         return [named.get(name, f"--{name}") for name, value in vars(self).items() if value]
 
     def check(self) -> None:
@@ -93,10 +105,8 @@ class ZenohOptions:
         """Return what all clients may do."""
         from unitylink.server.scopes import Rights
 
-        try:
+        with usage("--may"):
             return Rights.of(self.may or ["write", "arm"])
-        except UnityLinkError as error:
-            raise click.UsageError(f"--may: {error}") from None
 
     def networks(self) -> list[tuple[Network, Network]]:
         """Return ways onto the network, to be tried in turn: for requests, and for publishes.
@@ -207,6 +217,7 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server
+    from unitylink.server.stop_file import StopFile
     from unitylink.server.tokens import Tokens, User, digest, new_token
     from unitylink.zenoh.spec_files import pack_spec
 
@@ -214,8 +225,11 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     options.keys(root)  # a name that cannot be is said before a board is touched
     if options.audit_file is not None:
         check_writable(options.audit_file, "--audit")
+    memory = StopFile(options.stop_file) if options.stop_file is not None else None
     token, reading, looking = new_token(), new_token(), new_token()
     rights = options.rights()
+    with usage("--may"):
+        rights.check(spec.roots[0])
     readers = Rights.of(f"read {part}".strip() for part in rights.parts("read"))
     users = [
         (token, User("zenoh", rights)),
@@ -228,7 +242,7 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
         if log is not None:
             stack.callback(log.close)
         audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
-        robot = Robot(root, link, spec, tokens, audit)
+        robot = Robot(root, link, spec, tokens, audit, memory=memory)
         server = stack.enter_context(Server([robot], tokens, audit, "127.0.0.1", 0))
         secret = stack.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))
         secret.write(reading)

@@ -21,6 +21,7 @@ from .output import json_option, print_json
 from .page_options import page_extras, page_options
 from .root_option import part_of, root_option
 from .serving import place_of
+from .stop_option import stop_file_option
 from .stream_options import StreamOptions, stream_options
 from .tls_options import exposed, tls_files_of, tls_options
 
@@ -65,6 +66,7 @@ _FIRST_S = 5.0  # how long the announcement waits for the first attempts to open
 @click.option(
     "--metrics", "metrics_file", metavar="FILE", help="Write the counters there every 5 s, for Prometheus."
 )
+@stop_file_option
 @click.option(
     "--check-config", is_flag=True, help="Check the arguments and the files, print the URLs, and end."
 )
@@ -90,6 +92,7 @@ def command(
     zenoh: str | None,
     may: tuple[tuple[str, str], ...],
     metrics_file: str | None,
+    stop_file: str | None,
     check_config: bool,
     root: str | None,
     as_json: bool,
@@ -130,6 +133,7 @@ def command(
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.serving import Server, allow_files
+    from unitylink.server.stop_file import StopFile
     from unitylink.server.tokens import Tokens, User, new_token
     from unitylink.spec import load
 
@@ -151,7 +155,7 @@ def command(
         )
     tokens, fresh = _tokens(token_file)
     streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, zenoh, may, tls)
-    streams.check(anyone=anyone)
+    streams.check(spec.roots[0], anyone=anyone)
     known = len(tokens)
     own = {"page": Rights.of(["read"])} if page is not None else {}  # users that are part of this server
     own |= streams.users(fresh=bool(fresh))
@@ -166,6 +170,9 @@ def command(
         raise exposed(f"--page {page}: other machines could reach the page", tls)
     if own_tokens and len(named) > 1:
         raise click.UsageError("--page and streams are for one board; start a server for each")
+    if stop_file is not None and len(named) > 1:
+        raise click.UsageError("--stop-file is for one board; start a server for each")
+    memory = StopFile(stop_file) if stop_file is not None else None
     more = page_extras(spec.roots[0], spec_file, **extras)
     for option, path in (("--audit", audit_file), ("--metrics", metrics_file)):
         if path is not None:
@@ -177,7 +184,7 @@ def command(
     allow_files()
     with stopped_by_signals() as stop, ExitStack() as boards, ExitStack() as pages:
         robots = [
-            Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0)
+            Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0, memory=memory)
             for name, link in named.items()
         ]
         for robot in robots:
@@ -287,10 +294,12 @@ def _serve_page(
     from unitylink.dashboard.opening import page_of
 
     (robot,) = server.robots.values()
-    link, gate, lock = robot.share()
     reader = pages.enter_context(connect(url, reconnect=True))
     extras = replace(extras, report=server.report)
-    return pages.enter_context(page_of(link, spec, gate, lock, reader=reader, place=place, extras=extras)).url
+    opened = page_of(
+        robot.board_link(), spec, robot.gate, robot.switch, reader=reader, place=place, extras=extras
+    )
+    return pages.enter_context(opened).url
 
 
 def _announce(

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 import click
 
 from unitylink.dashboard.place import Place, is_loopback, read_place
-from unitylink.errors import UnityLinkError
 
-from .bridge_zenoh import ZenohOptions, read_zenoh
+from .bridge_zenoh import ZenohOptions, read_zenoh, usage
 from .serving import place_of
 from .several_options import Command, with_options
 from .tls_options import exposed
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
     from unitylink.server.tls_files import TlsFiles
+    from unitylink.spec.model import Instance
     from unitylink.streams.mqtt.broker import Broker
     from unitylink.streams.source import Stream
     from unitylink.zenoh.bridge.bridge import Bridge
@@ -76,13 +76,15 @@ class StreamOptions:
     def any(self) -> bool:
         return any(getattr(self, tool) is not None for tool in TOOLS)
 
-    def check(self, *, anyone: bool) -> None:
+    def check(self, root: Instance, *, anyone: bool) -> None:
+        """Raises UsageError. `root` is the robot, which has the parts that scopes name."""
         for tool, _ in self.may:
             if tool not in TOOLS:
                 raise click.UsageError(f"--may {tool}: there is no such tool; there are {', '.join(TOOLS)}")
             if getattr(self, tool) is None:
                 raise click.UsageError(f"--may {tool}: add --{tool}, too")
-            self._rights(tool)
+            with usage(f"--may {tool}"):
+                self._rights(tool).check(root)
         if self.foxglove is not None and self._foxglove.exposed and not anyone:
             raise exposed(f"--foxglove {self.foxglove}: other machines could reach it", self.tls)
         if self.plotjuggler is not None:
@@ -123,10 +125,8 @@ class StreamOptions:
     def _rights(self, tool: str) -> Rights:
         from unitylink.server.scopes import Rights
 
-        try:
+        with usage(f"--may {tool}"):
             return Rights.of([scope for name, scope in self.may if name == tool] or ["read"])
-        except UnityLinkError as error:
-            raise click.UsageError(f"--may {tool}: {error}") from error
 
     @property
     def _foxglove(self) -> Place:

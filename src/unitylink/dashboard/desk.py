@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from unitylink.errors import UnknownName, ValueRangeError, shown
+from unitylink.errors import DeadManTripped, UnknownName, ValueRangeError, shown
 from unitylink.layer4_data import ClearValue, Node, PulseValue, Value, ValueGroup, WriteValue
-from unitylink.server.gate import Client, Gate, Now
+from unitylink.server.gate import Client, Gate
+from unitylink.server.stop_switch import StopSwitch, now
 from unitylink.server.subtree import contains
 from unitylink.values import format_value
 
@@ -24,11 +23,6 @@ T = TypeVar("T")
 MOST = 1000  # items of one write
 
 
-def now() -> Now:
-    """Return the time, by the clock that does not jump and by that of the wall."""
-    return Now(time.monotonic(), time.time())
-
-
 class Desk:
     """Takes requests from any thread. Those that reach the board block until it has answered.
 
@@ -36,19 +30,23 @@ class Desk:
     the board after the SAFE values of a lost lease. After a stop, nobody writes before `arm`.
     """
 
-    def __init__(self, robot: Node, gate: Gate, shared: threading.Lock | None = None) -> None:
-        """`shared` guards a gate that a server keeps, which then makes lost parts safe by itself."""
+    def __init__(self, robot: Node, gate: Gate, switch: StopSwitch | None = None) -> None:
+        """`switch` is that of a server, which keeps the gate, and makes lost parts safe by itself.
+
+        Without it, the robot is stopped if its board's dead-man has tripped. Raises LinkError.
+        """
         self.robot = robot
         self._gate = gate
         self._values = {value.path: value for value in robot}
-        self._keeps = shared is None
-        self._gate_lock = shared if shared is not None else threading.Lock()
-        self._board_lock = threading.Lock()  # held while a request is under way
+        self._keeps = switch is None
+        self.switch = switch if switch is not None else StopSwitch(gate)
+        if self._keeps:
+            self.switch.attach(robot.links, robot.apply_safe)
 
     @contextmanager
     def gate(self) -> Iterator[Gate]:
         """Give the gate to one thread alone."""
-        with self._gate_lock:
+        with self.switch.lock:
             yield self._gate
 
     def write(self, client: Client, values: Mapping[str, Any]) -> None:
@@ -83,7 +81,7 @@ class Desk:
 
         Raises AccessRefused, LeaseHeld, or what `send` raises.
         """
-        with self._board_lock:
+        with self.switch.board:
             with self.gate() as gate:
                 moment = now()
                 for path in paths:
@@ -101,28 +99,18 @@ class Desk:
     def stop(self, client: Client) -> int:
         """Write all SAFE values now, end all leases, and refuse writes until `arm`. Return how many values.
 
-        The values are written at once, beside a request that is under way, and again when that has ended. So
-        they are the last that the board gets. Raises AccessRefused if the user is not logged in any more, and
-        a LinkError if the board did not answer. Then the writes are refused all the same.
+        The values are written at once, beside a request that is under way. Then the board's dead-man trips.
+        Without one, they are written again when that request has ended. So they are the last that the board
+        gets. Raises what `StopSwitch.stop` raises. Then the writes are refused all the same.
         """
-        with self.gate() as gate:
-            gate.stopped(client, now())
-        self.robot.apply_safe()
-        with self._board_lock:
-            self.robot.apply_safe()
-            if self._keeps:
-                self._note_safe(("",))
+        self.switch.stop(client)
+        if self._keeps:
+            self._note_safe(("",))
         return sum(value.writable and value.quantity.safe is not None for value in self._values.values())
 
     def arm(self, client: Client) -> None:
         """Allow writes again, after a stop or after the board's dead-man has tripped."""
-        with self.gate() as gate:
-            gate.check_arm(client, now())
-        for link in self.robot.links:
-            if link.protocol == "framed" and (dead_man := link.dead_man()) is not None and dead_man.tripped:
-                link.arm()
-        with self.gate() as gate:
-            gate.armed(client, now())
+        self.switch.arm(client)
 
     def keep_safe(self) -> None:
         """End leases that are over, and write the SAFE values of their parts. Call it often.
@@ -132,11 +120,12 @@ class Desk:
         """
         if not self._keeps:
             return
+        self.switch.keep()
         with self.gate() as gate:
             gate.expire(now())
             unsafe = gate.unsafe()
         if unsafe:
-            with self._board_lock:
+            with self.switch.board:
                 for part in unsafe:
                     self._make_safe(part)
                 self._note_safe(unsafe)
@@ -148,7 +137,8 @@ class Desk:
             if contains(part, path) and isinstance(value, WriteValue) and value.quantity.safe is not None
         }
         if safe:
-            ValueGroup({path: self._values[path] for path in safe}, part or self.robot.name).write(safe)
+            with suppress(DeadManTripped):  # then the board has written them all
+                ValueGroup({path: self._values[path] for path in safe}, part or self.robot.name).write(safe)
 
     def _note_safe(self, parts: tuple[str, ...]) -> None:
         with self.gate() as gate:

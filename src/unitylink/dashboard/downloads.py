@@ -11,9 +11,9 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from unitylink.errors import AccessRefused, UnityLinkError, UnknownName
+from unitylink.server.stop_switch import now
 
 from .csv_text import csv_lines
-from .desk import now
 from .mcap_export import mcap_bytes
 from .requests import MOST_SERIES
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ from unitylink.server.gate import Gate
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
+    from unitylink.server.stop_switch import StopSwitch
     from unitylink.server.tokens import Tokens
     from unitylink.spec.model import Instance, Spec
 
@@ -55,7 +55,7 @@ def page_of(
     link: Link,
     spec: Spec,
     gate: Gate,
-    shared: threading.Lock | None = None,
+    switch: StopSwitch | None = None,
     *,
     reader: Link | None = None,
     place: Place | None = None,
@@ -63,7 +63,7 @@ def page_of(
     read_hz: float = 5.0,
     extras: Extras | None = None,
 ) -> Iterator[Dashboard]:
-    """Do the same with a gate that is there. `shared` guards it, if a server keeps it and asks it, too.
+    """Do the same with a gate that is there. `switch` is that of the server, if one keeps the gate.
 
     Values come by `reader`, for example the `serve:` link of that server, or else by `link`, which writes.
     """
@@ -83,7 +83,7 @@ def page_of(
     reader = reader if reader is not None else link
     values = {value.path: value for value in load_spec_objects(spec, reader, root=root)}
     with Feed(reader, [values[element.path] for element in chosen.walk()], read_hz) as feed:
-        desk, extras = Desk(robot, gate, shared), extras if extras is not None else Extras()
+        desk, extras = Desk(robot, gate, switch), extras if extras is not None else Extras()
         station = Station(reader, chosen, robot, desk, feed, spec=spec, extras=extras)
         with Dashboard(station, place) as page:
             yield page

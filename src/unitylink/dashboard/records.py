@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import AccessRefused, UnityLinkError, ValueRangeError, shown
 from unitylink.recording import ENDINGS, Origin
+from unitylink.server.stop_switch import now
 from unitylink.server.subtree import WHOLE
 
-from .desk import now
 from .recorder import Recorder
 from .replay import Replays
 

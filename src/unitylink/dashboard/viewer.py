@@ -20,9 +20,9 @@ from unitylink.errors import UnityLinkError, ValueRangeError
 from unitylink.server.gate import LEASE_S, Client
 from unitylink.server.leases import DURATION_MAX_S, DURATION_MIN_S
 from unitylink.server.rate_limit import RateLimit
+from unitylink.server.stop_switch import now
 from unitylink.server.subtree import contains
 
-from .desk import now
 from .frames import RANGE, VALUES, floats, latest
 from .requests import BURST, REQUESTS_HZ, Request, read
 

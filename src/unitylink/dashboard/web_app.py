@@ -18,8 +18,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from unitylink.errors import AccessRefused, UnityLinkError
 from unitylink.server.metrics import metrics
 from unitylink.server.rate_limit import RateLimit
+from unitylink.server.stop_switch import now
 
-from .desk import now
 from .downloads import NO_SESSION, Downloads
 from .page_files import page_files
 from .sessions import IDLE_S, Session, Sessions

@@ -39,7 +39,8 @@ class Fleet:
     """Robots, and the network on which they are.
 
     Without `connect` and `zenoh_config`, the program that runs the fleet is the router, at `router`. `audit`
-    is a folder with a log for each robot, `security` one with what `unitylink fleet security` made.
+    is a folder with a log for each robot, `stops` one with a file for each robot that is stopped, `security`
+    one with what `unitylink fleet security` made.
     """
 
     file: Path
@@ -50,6 +51,7 @@ class Fleet:
     zenoh_config: str = ""
     anyone: bool = False
     audit: str = ""
+    stops: str = ""
     security: str = ""
 
     @property

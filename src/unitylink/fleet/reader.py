@@ -53,6 +53,7 @@ _OF_FLEET: dict[str, tuple[type, str]] = {
     "zenoh_config": (str, "a file of Zenoh"),
     "anyone": (bool, "true or false"),
     "audit": (str, "a folder"),
+    "stops": (str, "a folder"),
     "security": (str, "a folder, which `unitylink fleet security` fills"),
     **_COMMON,
 }
@@ -108,7 +109,7 @@ def parse_fleet(text: str, file: Path) -> Fleet:
         file,
         name,
         robots,
-        **{word: head[word] for word in (*ways, "anyone", "audit", "security") if word in head},
+        **{word: head[word] for word in (*ways, "anyone", "audit", "stops", "security") if word in head},
     )
     _check_together(fleet)
     return fleet

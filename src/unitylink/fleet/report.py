@@ -40,7 +40,7 @@ class RobotReport:
     pid: int | None = None
     uptime_s: float = 0.0
     trouble: str = ""
-    stopped_by: str = ""  # a stop ends with the bridge, so an update leaves such a robot alone
+    stopped_by: str = ""  # an update leaves such a robot alone
 
     def row(self) -> tuple[str, ...]:
         """Return the cells below `HEADERS`."""

@@ -7,8 +7,9 @@ import hashlib
 import tempfile
 from pathlib import Path
 
-from unitylink.errors import FleetError, UnityLinkError
+from unitylink.errors import FleetError, UnityLinkError, UnknownName
 from unitylink.interface.wire_hash import wire_hash
+from unitylink.server.scopes import Rights
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 from unitylink.zenoh.spec_files import pack_spec, unpack_spec
@@ -33,12 +34,16 @@ class SpecStore:
     def __exit__(self, *_: object) -> None:
         self._folder.cleanup()
 
+    @property
+    def folder(self) -> Path:
+        """The folder. Files there are gone at the end."""
+        return Path(self._folder.name)
+
     def taken(self, robot: FleetRobot) -> tuple[str, str]:
         """Return the LINK and the spec file of a robot, as they are now, for its bridge.
 
-        The file is empty if the link brings its own.
-
-        Raises FleetError if the spec has errors, or several boards and none is chosen.
+        The file is empty if the link brings its own. Raises FleetError if the spec has errors. It also does
+        so if the spec has several boards and none is chosen, and if `may` names a part that is not there.
         """
         _, copy = self._copy(robot)
         kind, _, rest = robot.link.partition(":")
@@ -50,7 +55,7 @@ class SpecStore:
         return robot.link, str(copy)
 
     def hash(self, robot: FleetRobot) -> str:
-        """Return the wire hash of the spec that the file has now."""
+        """Return the wire hash of the spec that the file has now. Raises FleetError."""
         return f"{wire_hash(self._copy(robot)[0]):016x}"
 
     def _copy(self, robot: FleetRobot) -> tuple[Spec, Path]:
@@ -72,8 +77,11 @@ class SpecStore:
                 text = pack_spec(file, spec.roots[0].name)
                 _, copy = unpack_spec(text, folder)
                 self._known[key] = spec, copy
+            Rights.of(robot.may).check(self._known[key][0].roots[0])
         except FleetError:
             raise
+        except UnknownName as error:
+            raise FleetError(f"{place}: may: {error}") from None
         except KeyError as error:
             raise FleetError(f"{place}: {error.args[0]}; choose one with root") from None
         except (UnityLinkError, OSError) as error:

@@ -140,6 +140,9 @@ class Supervisor:
             words += ["--connect", fleet.network().connect]
         for scope in robot.may:
             words += ["--may", scope]
+        stops = fleet.place(fleet.stops) if fleet.stops else self._specs.folder
+        stops.mkdir(parents=True, exist_ok=True)
+        words += ["--stop-file", str(stops / f"{robot.name}.stop")]
         if fleet.audit:
             folder = fleet.place(fleet.audit)
             folder.mkdir(parents=True, exist_ok=True)

@@ -24,6 +24,7 @@ class Line:
     _native: NativeLink
     _callbacks: CallbackThread
     _generations = 0  # of the sessions before a reset
+    _server: BoardServer | None = None  # the dead-man of the board is also that of its clients
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the state of the line, and counters. Nothing is sent."""
@@ -67,7 +68,8 @@ class Line:
         """
         from unitylink._native import BoardServer
 
-        return BoardServer(self._native, plain)
+        self._server = BoardServer(self._native, plain)
+        return self._server
 
     def watch_program(self, patience_s: float) -> None:
         """From now on, give up the line if `alive` is not called for `patience_s`. 0: never.

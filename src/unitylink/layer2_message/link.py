@@ -355,17 +355,16 @@ class Link(LinkReset, LinkTime, LinkLoop):
         Only this does it. A new link or a write does not. If it tripped in the session of this link, that
         session ends and a new one begins. Publishes go on. Raises DeviceMismatch on a classic link.
         """
-        self._native.arm(timeout_s)
+        (self._server or self._native).arm(timeout_s)
 
     def trip(self, *, timeout_s: float | None = None) -> None:
         """Let the dead-man trip now. The device makes its outputs safe. Nothing is written before `arm()`.
 
         At a server this holds for all its clients. The link is silent for two ticks of the base rate
-        meanwhile. After `arm()` the dead-man rests until `set_dead_man()`. Raises DeviceMismatch on a classic
-        link, or if the device has no dead-man. Raises AccessRefused if the server lets this client write
-        nothing.
+        meanwhile. `arm()` lets the dead-man run as before. Raises DeviceMismatch on a classic link, or if the
+        device has no dead-man. Raises AccessRefused if the server lets this client write nothing.
         """
-        self._native.trip(timeout_s)
+        (self._server or self._native).trip(timeout_s)
 
     @property
     def clock(self) -> Clock | None:

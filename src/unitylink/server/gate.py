@@ -186,6 +186,11 @@ class Gate:
         self._note_lost(now)
         self._log("stop", now, client)
 
+    def found_stopped(self, who: str, reason: str, now: Now) -> None:
+        """Note that the robot was stopped before this program began. Nobody writes before `armed`."""
+        self.stopped_by = who
+        self._audit.line("stop", now.wall_s, robot=self.name, user=who, reason=reason)
+
     # -- leases
 
     def take(self, client: Client, part: str, duration_s: float, now: Now) -> Lease:
@@ -293,7 +298,7 @@ class Gate:
         self._known(client, now)
         if action == "write" and self.stopped_by:
             raise AccessRefused(
-                f"{self.stopped_by} has stopped the robot; nobody writes before somebody arms it"
+                f"{self.stopped_by} has stopped the robot; nobody writes before somebody arms it: link.arm()"
             )
         if client.user.rights.allow(action, part):
             return

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 from unitylink.connection import connect
@@ -13,16 +14,20 @@ from unitylink.errors import AccessRefused, DeadManTripped, LeaseHeld, UnityLink
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hashes
 from unitylink.layer2_message import Link
+from unitylink.protocol import REPLY_STATUS_DENIED, REPLY_STATUS_OK, SERVE_LEASE_HELD, SERVE_NOT_ALLOWED
 from unitylink.spec.model import Spec
 
 from .audit import Audit
-from .gate import Client, Gate, Now
+from .gate import Client, Gate
 from .grants import grant, paths_of, plain_words, words_of
+from .stop_switch import StopSwitch, now
 from .subtree import WHOLE, contains
 from .tokens import Tokens, User
 
 if TYPE_CHECKING:
     from unitylink._native import BoardServer, Knock
+
+    from .stop_file import StopFile
 
 _PAUSE_S = 1.0  # between two attempts to open a link
 _LOOK_S = 0.2  # how often leases are renewed and looked at, if there is no news
@@ -37,20 +42,29 @@ class Robot:
     """
 
     def __init__(
-        self, name: str, url: str, spec: Spec, tokens: Tokens, audit: Audit, *, silence_s: float = 0.0
+        self,
+        name: str,
+        url: str,
+        spec: Spec,
+        tokens: Tokens,
+        audit: Audit,
+        *,
+        silence_s: float = 0.0,
+        memory: StopFile | None = None,
     ) -> None:
         self.name, self.url, self.spec = name, url, spec
         self.opened = threading.Event()  # set after the first attempt
         self._away = f"{url} is being opened"
         self._silence_s = silence_s
         self._audit, self._said = audit, ""
-        self._gate = Gate(name, spec.roots[0], tokens, audit)
+        self.gate = Gate(name, spec.roots[0], tokens, audit)
+        self.switch = StopSwitch(self.gate, memory, self._tell_changes)
         self._paths = paths_of(spec)
         self._clients: dict[int, Client] = {}  # by the number that the native server gives
         self._told: dict[int, list[str]] = {}  # the parts that the native server lets each client write
         self._link: Link | None = None
         self._server: BoardServer | None = None
-        self._lock = threading.Lock()  # guards all above
+        self._lock = self.switch.lock  # guards all above, and the gate
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._govern, name=f"serve {name}", daemon=True)
 
@@ -80,39 +94,31 @@ class Robot:
             where = (
                 f"{knock.peer} with the certificate {knock.certificate}" if knock.certificate else knock.peer
             )
-            client = self._gate.login(knock.token, where, _now())
+            client = self.gate.login(knock.token, where, now())
             try:
                 server = self._there()
             except UnityLinkError:
-                self._gate.logout(client, _now())
+                self.gate.logout(client, now())
                 raise
             may = grant(self.spec, client.user.rights)
             text = f"{client.name} may {client.user.rights}"
             number = server.admit(knock, client.name, may.reads, may.writes, may.leased, may.arm, text)
             self._clients[number] = client
 
-    def share(self) -> tuple[Link, Gate, threading.Lock]:
-        """Return the link, the gate, and the lock that guards the gate, for others who serve the same board.
-
-        Raises UnityLinkError if the board is away.
-        """
+    def board_link(self) -> Link:
+        """Return the link, for others who serve the same board. Raises UnityLinkError if it is away."""
         with self._lock:
             self._there()
             assert self._link is not None
-            return self._link, self._gate, self._lock
-
-    def stop_outputs(self) -> None:
-        """Make the outputs safe now. Raises UnityLinkError if the board is away."""
-        with self._lock:
-            self._there().stop_outputs()
+            return self._link
 
     def report(self) -> dict[str, Any]:
         """Return the state of the board, of its link, of its clients and leases, as plain values."""
         with self._lock:
             told: dict[str, Any] = {"name": self.name, "link": self.url, "away": self._why_away()}
             now_s = time.monotonic()
-            where = {client.number: client.where for client in self._gate.clients()}
-            told["stopped_by"] = self._gate.stopped_by
+            where = {client.number: client.where for client in self.gate.clients()}
+            told["stopped_by"] = self.gate.stopped_by
             told["leases"] = [
                 {
                     "part": lease.part or "*",
@@ -120,7 +126,7 @@ class Robot:
                     "where": where.get(lease.client, ""),
                     "ending": lease.ending,
                 }
-                for lease in self._gate.leases.all()
+                for lease in self.gate.leases.all()
             ]
             told["wishes"] = [
                 {
@@ -129,7 +135,7 @@ class Robot:
                     "left_s": wish.until_s - now_s,
                     "kept": wish.kept,
                 }
-                for wish in self._gate.wishes.all(now_s)
+                for wish in self.gate.wishes.all(now_s)
             ]
             if self._link is not None and self._server is not None:
                 told["statistics"] = dict(vars(self._link.statistics()))
@@ -142,20 +148,20 @@ class Robot:
 
     def ask(self, user: User, where: str, part: str) -> list[str]:
         """Ask for a lease in the name of a user. Return who holds it."""
-        with self._lock, self._gate.visit(user, where) as client:
-            return list(self._gate.ask(client, part, _now()))
+        with self._lock, self.gate.visit(user, where) as client:
+            return list(self.gate.ask(client, part, now()))
 
     def give(self, user: User, where: str, part: str, to: str) -> str:
         """Give leases back in order, in the name of a user. Return for whom the part is kept."""
-        with self._lock, self._gate.visit(user, where) as client:
-            kept_for = self._gate.give(client, part, to, _now())
+        with self._lock, self.gate.visit(user, where) as client:
+            kept_for = self.gate.give(client, part, to, now())
             self._tell_changes()  # before anybody else can write
             return kept_for
 
     def break_up(self, user: User, where: str, part: str) -> None:
         """Take leases away, in the name of an administrator. The outputs become safe."""
-        with self._lock, self._gate.visit(user, where) as client:
-            self._gate.break_up(client, part, _now())
+        with self._lock, self.gate.visit(user, where) as client:
+            self.gate.break_up(client, part, now())
 
     def close(self) -> None:
         """Drop all clients and close the link."""
@@ -202,16 +208,22 @@ class Robot:
                 except UnityLinkError as error:  # the board refuses it, or is gone
                     self._let_go()
                     self._away = str(error)
+                    continue
+            for number, kind, _ in news:
+                if kind == "arms":
+                    self._arm(server, number)
+            with suppress(UnityLinkError):  # it is tried again
+                self.switch.keep()
 
     def _take(self, server: BoardServer, news: list[tuple[int, str, int]]) -> None:
         """Act on what clients did. Hold the lock."""
         for number, kind, address in news:
             if kind == "asks":
                 self._decide(server, number, address)
-            elif kind != "silent":
+            elif kind in ("left", "gone"):
                 self._left(number, in_order=kind == "left")
-            elif number in self._clients:
-                self._gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
+            elif kind == "silent" and number in self._clients:
+                self.gate.leases.lose(self._clients[number].number, "its dead-man has tripped")
         self._look_at_leases(server)
 
     def _log_state(self) -> None:
@@ -228,18 +240,23 @@ class Robot:
         except UnityLinkError as error:
             self._away = str(error)
             return
-        try:
-            link.check_time_passes("a server")
-            link.check_spec(self.spec.source, wire_hashes(self.spec, self.spec.roots[0].name))
-            server = link.serve(plain_words(self.spec))
-        except UnityLinkError as error:
-            self._away = str(error)
-            link.close()
-            return
+        with ExitStack() as opened:
+            opened.callback(link.close)
+            try:
+                link.check_time_passes("a server")
+                link.check_spec(self.spec.source, wire_hashes(self.spec, self.spec.roots[0].name))
+                server = link.serve(plain_words(self.spec))
+                opened.callback(server.close)
+                self.switch.attach((link,), lambda: self._write_safe(link, WHOLE))
+            except UnityLinkError as error:
+                self._away = str(error)
+                return
+            opened.pop_all()
         with self._lock:
             self._link, self._server = link, server
 
     def _let_go(self) -> None:
+        self.switch.detach()
         if self._server is not None:
             self._server.close()
         if self._link is not None:
@@ -255,7 +272,21 @@ class Robot:
         client = self._clients.pop(number, None)
         self._told.pop(number, None)
         if client is not None:
-            self._gate.logout(client, _now()) if in_order else self._gate.gone(client, _now())
+            self.gate.logout(client, now()) if in_order else self.gate.gone(client, now())
+
+    def _arm(self, server: BoardServer, number: int) -> None:
+        """A client wants that writes are allowed again. Do not hold the lock: a stop must not wait for it."""
+        with self._lock:
+            client = self._clients.get(number)
+        if client is None:
+            return
+        try:
+            self.switch.arm(client)
+            answer = REPLY_STATUS_OK
+        except UnityLinkError:
+            answer = SERVE_NOT_ALLOWED
+        with self._lock:
+            self._tell(server, number, client, ("arms", answer))
 
     def _decide(self, server: BoardServer, number: int, address: int) -> None:
         """Give a client the lease that its write needs, or not."""
@@ -263,32 +294,34 @@ class Robot:
         if client is None:
             return
         try:
-            self._gate.check_write(client, self._paths.get(address, WHOLE), _now())
-            given = True
+            self.gate.check_write(client, self._paths.get(address, WHOLE), now())
+            answer = REPLY_STATUS_OK
         except (AccessRefused, LeaseHeld):
-            given = False
-        self._tell(server, number, client, given)
+            answer = REPLY_STATUS_DENIED if self.gate.stopped_by else SERVE_LEASE_HELD
+        self._tell(server, number, client, ("asks", answer))
 
-    def _tell(self, server: BoardServer, number: int, client: Client, given: bool | None) -> None:
+    def _tell(
+        self, server: BoardServer, number: int, client: Client, decided: tuple[str, int] | None
+    ) -> None:
         self._told[number] = held = self._held(client)
         may = grant(self.spec, client.user.rights, held)
-        server.set_grant(number, may.reads, may.writes, may.leased, may.arm, given)
+        server.set_grant(number, may.reads, may.writes, may.leased, may.arm, decided)
 
     def _held(self, client: Client) -> list[str]:
-        return [lease.part for lease in self._gate.leases.of(client.number)]
+        return [lease.part for lease in self.gate.leases.of(client.number)]
 
     def _look_at_leases(self, server: BoardServer) -> None:
         silent = set(server.silent(self._silence_s)) if self._silence_s else ()
         for number, client in self._clients.items():
             if number not in silent:
-                self._gate.leases.renew(client.number, time.monotonic())
-        for late in self._gate.expire(_now()):
+                self.gate.leases.renew(client.number, time.monotonic())
+        for late in self.gate.expire(now()):
             for number in [one for one, client in self._clients.items() if client == late]:
                 server.drop(number)
         self._tell_changes()
-        for part in self._gate.unsafe():
+        for part in self.gate.unsafe():
             if self._make_safe(part):
-                self._gate.made_safe(part, _now())
+                self.gate.made_safe(part, now())
 
     def _tell_changes(self) -> None:
         """Tell the native server which leases have ended or were given: others change them, too."""
@@ -296,20 +329,20 @@ class Robot:
             if self._server is not None and self._held(client) != self._told.get(number, []):
                 self._tell(self._server, number, client, None)
 
+    def _write_safe(self, link: Link, part: str) -> None:
+        """Write the SAFE values of a part."""
+        mine = words_of(self.spec, lambda path: contains(part, path))
+        words = safe_words(self.spec, 8 * link.configuration.data_bytes)
+        safe = [(to, word) for to, word in words if any(first <= to <= last for first, last in mine)]
+        link.write_many([to for to, _ in safe], [word for _, word in safe])
+
     def _make_safe(self, part: str) -> bool:
         """Write the SAFE values of a part. Return False if the board did not take them."""
         assert self._link is not None
-        mine = words_of(self.spec, lambda path: contains(part, path))
-        words = safe_words(self.spec, 8 * self._link.configuration.data_bytes)
-        safe = [(to, word) for to, word in words if any(first <= to <= last for first, last in mine)]
         try:
-            self._link.write_many([to for to, _ in safe], [word for _, word in safe])
+            self._write_safe(self._link, part)
         except DeadManTripped:  # then the board has written them all
             return True
         except UnityLinkError:  # it is tried again
             return False
         return True
-
-
-def _now() -> Now:
-    return Now(time.monotonic(), time.time())

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from unitylink.errors import UnityLinkError
+from unitylink.spec.model import Instance
 
-from .subtree import WHOLE, contains, subtree
+from .subtree import WHOLE, contains, known, subtree
 
 OF_A_PART = ("read", "write")  # these may name a subtree
 OF_ALL = ("arm", "admin")
@@ -62,6 +63,11 @@ class Rights:
         granting = {"read": ("read", "write", "admin"), "write": ("write", "admin")}
         actions = granting.get(action, (action, "admin"))
         return any(one.action in actions and contains(one.part, part) for one in self.scopes)
+
+    def check(self, root: Instance) -> None:
+        """Raises UnknownName, with the nearest name, if a scope names a part that the robot does not have."""
+        for one in self.scopes:
+            known(root, one.part)
 
     def parts(self, action: str) -> tuple[str, ...]:
         """Return the subtrees for which `action` is allowed. None of them is within another."""

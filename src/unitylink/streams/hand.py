@@ -5,16 +5,18 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from unitylink.dashboard.desk import Desk, now
-from unitylink.errors import LinkTimeout, OutcomeUnknown, UnknownName, shown
+from unitylink.dashboard.desk import Desk
+from unitylink.errors import DeadManTripped, LinkTimeout, OutcomeUnknown, UnknownName, shown
 from unitylink.layer4_data import ValueGroup, WriteValue, load_spec_objects
 from unitylink.recording.json_messages import steps
+from unitylink.server.stop_switch import now
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
-    from unitylink.server.gate import Client, Gate
+    from unitylink.server.gate import Client
     from unitylink.server.robot import Robot
     from unitylink.spec.model import Element
 
@@ -37,16 +39,19 @@ class Hand:
 
     def login(self, token: str, where: str) -> Client:
         """Let a user in."""
-        with self._at_board().gate() as gate:
-            return gate.login(token, where, now())
+        self.robot.board_link()
+        with self.robot.switch.lock:
+            return self.robot.gate.login(token, where, now())
 
     def present(self, client: Client) -> bool:
         """Tell whether a client is still logged in: its token has not expired."""
-        return bool(self._ask(lambda gate: client in gate.clients(), otherwise=True))
+        with self.robot.switch.lock:
+            return client in self.robot.gate.clients()
 
     def logout(self, client: Client) -> None:
         """Let a client go."""
-        self._ask(lambda gate: gate.logout(client, now()), otherwise=None)
+        with self.robot.switch.lock:
+            self.robot.gate.logout(client, now())
 
     def write(self, client: Client, tree: Mapping[str, Any]) -> int:
         """Write values, all together, by paths or as nested objects. Return how many there were."""
@@ -59,28 +64,24 @@ class Hand:
         self._act(client, (path,), lambda desk: desk.pulse(client, path))
 
     def stop(self, client: Client) -> int:
-        """Make all outputs safe. Nobody writes before `arm`. Return how many outputs have a SAFE value."""
-        return self._at_board().stop(client)
+        """Make all outputs safe. Nobody writes before `arm`. Return how many outputs have a SAFE value.
+
+        While the board is away, that is done when it comes back; it is an error all the same.
+        """
+        self.robot.switch.stop(client)
+        return sum(one.safe is not None for one in self.elements.values())
 
     def arm(self, client: Client) -> None:
         """Allow writes again."""
-        self._at_board().arm(client)
+        self.robot.switch.arm(client)
 
     def _at_board(self) -> Desk:
-        link, gate, lock = self.robot.share()
+        link = self.robot.board_link()
         with self._lock:
             if self._desk is None or self._link is not link:  # the server has opened its line anew
-                self._link, self._desk = link, Desk(load_spec_objects(self.robot.spec, link), gate, lock)
+                objects = load_spec_objects(self.robot.spec, link)
+                self._link, self._desk = link, Desk(objects, self.robot.gate, self.robot.switch)
             return self._desk
-
-    def _ask(self, question: Callable[[Gate], Any], otherwise: Any) -> Any:
-        """Ask the gate, which is there also while the board is away."""
-        with self._lock:
-            desk = self._desk
-        if desk is None:
-            return otherwise
-        with desk.gate() as gate:
-            return question(gate)
 
     def _act(
         self, client: Client, paths: Mapping[str, Any] | tuple[str, ...], do: Callable[[Desk], None]
@@ -132,4 +133,5 @@ def _make_safe(desk: Desk, paths: Collection[str]) -> None:
         if isinstance(value, WriteValue) and value.quantity.safe is not None
     }
     if safe:
-        ValueGroup({path: values[path] for path in safe}, "safe").write(safe)
+        with suppress(DeadManTripped):  # then the board has written them all
+            ValueGroup({path: values[path] for path in safe}, "safe").write(safe)

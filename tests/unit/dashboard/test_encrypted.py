@@ -49,9 +49,9 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def page(one: Served, files: Path, short: None) -> Iterator[Dashboard]:
-    link, gate, lock = one.robot.share()
+    link = one.robot.board_link()
     place = Place(tls=tls_of(files))
-    with page_of(link, one.robot.spec, gate, lock, place=place) as opened:
+    with page_of(link, one.robot.spec, one.robot.gate, one.robot.switch, place=place) as opened:
         yield opened
 
 
@@ -108,9 +108,9 @@ def test_who_does_not_encrypt_or_trust_gets_nothing(page: Dashboard, files: Path
 
 
 def test_a_page_for_certificates_alone(one: Served, files: Path) -> None:
-    link, gate, lock = one.robot.share()
+    link = one.robot.board_link()
     place = Place(tls=tls_of(files, "tablet.pem"))
-    with page_of(link, one.robot.spec, gate, lock, place=place) as page:
+    with page_of(link, one.robot.spec, one.robot.gate, one.robot.switch, place=place) as page:
         with pytest.raises((OSError, http.client.HTTPException)):
             log_in(page, trusting(files))
         assert log_in(page, trusting(files, "tablet"))[0] == 204

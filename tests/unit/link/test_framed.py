@@ -89,7 +89,8 @@ def test_a_dead_man_trips_at_once_when_it_is_told_to() -> None:
             link.trip()  # it has tripped already
             link.arm()
             state = link.dead_man()
-            assert state is not None and not state.tripped and not state.running
+            assert state is not None and not state.tripped and state.running
+            assert state.silence_s == pytest.approx(20, abs=0.01)  # as before
         link.write(0x10, 9)
         assert board.registers[0x10] == 9
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from unittest import mock
 
 from unitylink import Link
@@ -14,6 +15,7 @@ from unitylink.server.audit import Audit
 from unitylink.server.robot import Robot
 from unitylink.server.scopes import Rights
 from unitylink.server.serving import Server
+from unitylink.server.stop_file import StopFile
 from unitylink.server.tls_files import TlsFiles
 from unitylink.server.tokens import Tokens, User, digest
 from unitylink.simulate import Board, BoardConfiguration
@@ -76,6 +78,7 @@ def served(
     silence_s: float = 0.0,
     *,
     lines: list[str] | None = None,
+    memory: Path | None = None,
 ) -> Iterator[Served]:
     spec = spec if spec is not None else arm()
     configuration = BoardConfiguration.for_spec(spec, bus_error_ranges=((REFUSED, REFUSED),))
@@ -83,7 +86,9 @@ def served(
         tokens = Tokens((digest(name), User(name, Rights.of(scopes))) for name, scopes in TOKENS.items())
         lines = lines if lines is not None else []
         audit = Audit(lines.append)
-        robot = Robot("arm", url or f"{there.url}?timeout=0.5", spec, tokens, audit, silence_s=silence_s)
+        stop_file = StopFile(str(memory)) if memory is not None else None
+        url = url or f"{there.url}?timeout=0.5"
+        robot = Robot("arm", url, spec, tokens, audit, silence_s=silence_s, memory=stop_file)
         with Server([robot], tokens, audit, "127.0.0.1", 0, tls=tls) as server:
             assert robot.opened.wait(20)
             yield Served(there, server, lines)

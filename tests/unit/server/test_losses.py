@@ -49,7 +49,7 @@ def test_a_board_that_is_lost_while_nobody_is_connected(one: Served) -> None:
     """The thread of the server rests then, and the link of this program has to notice by itself."""
     with one.link() as ana:
         ana.write(0x1A, 1)
-    link, _, _ = one.robot.share()
+    link = one.robot.board_link()
     until(lambda: one.robot.connected == 0)
     assert link.read(0x1A) == 1
     one.board.hang_up()

@@ -19,10 +19,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from unitylink.dashboard.desk import Desk, now
+from unitylink.dashboard.desk import Desk
 from unitylink.dashboard.place import Place
-from unitylink.errors import LeaseHeld, UnityLinkError
+from unitylink.errors import DeadManTripped, LeaseHeld, UnityLinkError
 from unitylink.server.rate_limit import RateLimit
+from unitylink.server.stop_switch import now
 from unitylink.streams.foxglove.server import Foxglove
 from unitylink.streams.hand import Hand
 
@@ -239,8 +240,10 @@ def test_a_stop_holds_all_until_somebody_arms(robot: Robot) -> None:
         until(lambda: client.call("set", {"target": 50}) == {"wrote": 1})
 
 
-def test_a_write_that_a_stop_overtakes_is_made_safe(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The line holds the write up, the stop is done meanwhile, and the write reaches the board after it."""
+def test_a_write_that_a_stop_overtakes_is_refused_by_the_board(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The write is held up, the stop is done meanwhile, and the write reaches the board after it."""
     hand = robot.foxglove.hand
     person, other = hand.login("all", "test"), hand.login("looks", "test")
     real = Desk.write
@@ -251,10 +254,10 @@ def test_a_write_that_a_stop_overtakes_is_made_safe(robot: Robot, monkeypatch: p
         hand.stop(other)
         until(lambda: not robot.one.robot.report()["leases"])
         desk.robot["target"].write(40)  # type: ignore[union-attr]
-        assert robot.register(0x1A) == 400
 
     monkeypatch.setattr(Desk, "write", late)
-    hand.write(person, {"target": 40})
+    with pytest.raises(DeadManTripped):
+        hand.write(person, {"target": 40})
     assert robot.register(0x1A) == 0
     monkeypatch.setattr(Desk, "write", real)
     hand.arm(person)

@@ -3,11 +3,17 @@
 
 from __future__ import annotations
 
+import json
 import random
+import threading
+from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 
 from unitylink.zenoh.bridge.ledger import OPEN_MAX, Ledger, Verdict
+from unitylink.zenoh.bridge.queries import KEPT
+from unitylink.zenoh.bridge.requests import Requests
 
 ATTEMPTS = 3
 
@@ -93,3 +99,43 @@ def test_an_answer_that_nobody_waits_for_is_not_kept() -> None:
     ledger.begin(2, settled=2)
     ledger.finish(1, b"late")
     assert ledger.begin(1, settled=2) is Verdict.SETTLED
+
+
+class _Query:
+    """A copy of a request. It keeps its answer, or nobody is there any more to take it."""
+
+    key_expr = "lab/arm1/do/1"
+
+    def __init__(self, *, there: bool = True) -> None:
+        self.told: dict[str, Any] = {}
+        self.dropped = False
+        self._there = there
+
+    def reply_err(self, data: bytes) -> None:
+        if not self._there:
+            raise ValueError("whoever asked is gone")
+        self.told = json.loads(data)
+
+    def drop(self) -> None:
+        self.dropped = True
+
+
+def test_a_failure_of_the_bridge_answers_all_copies() -> None:
+    """Each copy gets a typed error: who waited, who is behind one that is gone, and who comes later."""
+    requests = Requests(
+        MagicMock(), MagicMock(), threading.Lock(), MagicMock(), refusals=MagicMock(), leave=MagicMock()
+    )
+    visit, request = MagicMock(number=7, ledger=Ledger()), MagicMock(id=1, settled=1)
+    first, gone, waits, late = _Query(), _Query(there=False), _Query(), _Query()
+
+    def fail() -> bytes:
+        for one in (gone, waits):  # they come meanwhile
+            assert requests.answer_once(one, visit, request, fail) is KEPT  # type: ignore[arg-type]
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        requests.answer_once(first, visit, request, fail)  # type: ignore[arg-type]
+    requests.answer_once(late, visit, request, fail)  # type: ignore[arg-type]
+    for one in (first, waits, late):
+        assert one.told["error"] == "OutcomeUnknown" and "the bridge failed" in one.told["text"]
+    assert (gone.dropped, waits.dropped) == (True, True)

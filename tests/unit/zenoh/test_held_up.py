@@ -37,7 +37,7 @@ def late(rig: Rig) -> dict[str, Any]:
 
 
 def test_a_link_sends_nothing_from_a_moment_on(rig: Rig) -> None:
-    line, _, _ = rig.robot.share()
+    line = rig.robot.board_link()
     sent_before(time.monotonic_ns() + 10**10, lambda: line.write(GOAL, 1))
     with pytest.raises(LinkTimeout, match="not sent: its time was over"):
         sent_before(time.monotonic_ns(), lambda: line.write(GOAL, 2))

@@ -13,12 +13,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
-from unitylink.dashboard.desk import Desk, now
-from unitylink.errors import AccessRefused, DeviceMismatch, UnityLinkError
+from unitylink.dashboard.desk import Desk
+from unitylink.errors import UnityLinkError
 from unitylink.layer4_data import load_spec_objects
 from unitylink.server.audit import Audit
 from unitylink.server.gate import LEASE_S, Client, Gate
 from unitylink.server.scopes import Rights
+from unitylink.server.stop_switch import now
 from unitylink.server.subtree import shown
 from unitylink.server.tokens import Tokens, User, digest, new_token
 
@@ -239,21 +240,8 @@ class Controls:
                     self._ended.wait(_AGAIN_S)
 
     def _stop(self) -> str:
-        if self._shared:
-            with self._desk.gate() as gate:
-                gate.stopped(self._client, now())
-            with suppress(AccessRefused, DeviceMismatch):  # then what this terminal may write becomes safe
-                for link in self._desk.robot.links:
-                    link.trip()
-                self._made_safe()
-                return "STOPPED: all outputs of the board are safe, and no program may write"
         count = self._desk.stop(self._client)
-        return f"STOPPED: {count} SAFE values are written"
-
-    def _made_safe(self) -> None:
-        with self._desk.gate() as gate:
-            for part in gate.unsafe():
-                gate.made_safe(part, now())
+        return f"STOPPED: {count} outputs are safe, and nobody may write"
 
     def _keep(self) -> None:
         failed = ""

@@ -232,7 +232,7 @@ class Bridge:
     def _link(self) -> Link | None:
         """Return the link if the board answers now."""
         try:
-            link, _, _ = self.robot.share()
+            link = self.robot.board_link()
             link.read_control(CONTROL_ARM)
         except UnityLinkError:
             return None
@@ -258,7 +258,7 @@ class Bridge:
 
     def _reading(self) -> Link:
         """Return the link that reads publishes. Only `Groups` calls it, with its lock."""
-        self.robot.share()
+        self.robot.board_link()
         if self._reader is None or self._reader.closed:
             self._reader = connect(self._reads, reconnect=True)
         return self._reader

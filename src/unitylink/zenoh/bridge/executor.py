@@ -6,10 +6,18 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from unitylink.dashboard.desk import Desk, now
-from unitylink.errors import AccessRefused, LinkTimeout, OutcomeUnknown, UnknownName, ValueRangeError
+from unitylink.dashboard.desk import Desk
+from unitylink.errors import (
+    AccessRefused,
+    DeadManTripped,
+    LinkTimeout,
+    OutcomeUnknown,
+    UnknownName,
+    ValueRangeError,
+)
 from unitylink.layer2_message import sent_before
 from unitylink.layer4_data import PulseValue, ValueGroup, WriteValue, load_spec_objects
 from unitylink.protocol import (
@@ -20,6 +28,7 @@ from unitylink.protocol import (
     LIST_OPERATION_WRITE_FIFO,
 )
 from unitylink.server.grants import EVERYTHING, commit_of, grant, paths_of
+from unitylink.server.stop_switch import now
 from unitylink.server.subtree import WHOLE
 
 from ..messages import ATOMIC, CHECKED, ONCE, UNCHECKED, Operation, Request
@@ -55,10 +64,11 @@ class Executor:
 
     def desk(self) -> tuple[Link, Desk]:
         """Return the link and what passes requests to it. Raises UnityLinkError if the board is away."""
-        link, gate, lock = self.robot.share()
+        link = self.robot.board_link()
         with self._lock:
             if self._desk is None or self._link is not link:  # the line was opened anew
-                self._link, self._desk = link, Desk(load_spec_objects(self.robot.spec, link), gate, lock)
+                objects = load_spec_objects(self.robot.spec, link)
+                self._link, self._desk = link, Desk(objects, self.robot.gate, self.robot.switch)
                 self._parts = {}
             return link, self._desk
 
@@ -145,11 +155,15 @@ class Executor:
 
     def arm(self, client: Client) -> None:
         """Allow writes again."""
-        self.desk()[1].arm(client)
+        self.robot.switch.arm(client)
 
     def stop(self, client: Client) -> int:
-        """Make all outputs safe now. Return how many outputs have a SAFE value."""
-        return self.desk()[1].stop(client)
+        """Make all outputs safe now. Return how many outputs have a SAFE value.
+
+        While the board is away, that is done when it comes back; it is an error all the same.
+        """
+        self.robot.switch.stop(client)
+        return sum(one.writable and one.safe is not None for one in self._elements.values())
 
     def _act(self, desk: Desk, client: Client, paths: Iterable[str], send: Callable[[], T]) -> T:
         sent = True
@@ -174,7 +188,8 @@ class Executor:
         safe = {path: values[path].quantity.safe for path in wanted if path in values}
         safe = {path: value for path, value in safe.items() if value is not None}
         if safe:
-            ValueGroup({path: values[path] for path in safe}, "safe").write(safe)
+            with suppress(DeadManTripped):  # then the board has written them all
+                ValueGroup({path: values[path] for path in safe}, "safe").write(safe)
 
     def _group(self, desk: Desk, part: str, paths: Iterable[str]) -> ValueGroup:
         with self._lock:

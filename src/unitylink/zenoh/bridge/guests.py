@@ -11,8 +11,8 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from unitylink.dashboard.desk import now
 from unitylink.errors import AccessRefused, LinkBusy, ProtocolError, UnityLinkError
+from unitylink.server.stop_switch import now
 
 from .queries import Refused, payload_of
 from .visits import Visit, Visits
@@ -20,7 +20,7 @@ from .visits import Visit, Visits
 if TYPE_CHECKING:
     import zenoh
 
-    from unitylink.server.gate import Client, Gate
+    from unitylink.server.gate import Client
     from unitylink.server.robot import Robot
 
     from ..keys import Keys
@@ -43,21 +43,16 @@ class Guests:
         self._robot, self._keys, self._token, self._reading = robot, keys, token, reading
         self._bridge, self._hash = bridge, spec_hash
         self._leases: dict[str, zenoh.LivelinessToken] = {}
-        self._gate: tuple[Gate, threading.Lock] | None = None
 
     def enter(self, where: str, token: str = "") -> Client:
-        """Log somebody in, by default as all. Raises UnityLinkError if the board is away."""
-        _, gate, lock = self._robot.share()
-        self._gate = gate, lock  # it stays when the board goes
-        with lock:
-            return gate.login(token or self._token, where, now())
+        """Log somebody in, by default as all."""
+        with self._robot.switch.lock:
+            return self._robot.gate.login(token or self._token, where, now())
 
     def exit(self, client: Client) -> None:
         """Log somebody out."""
-        if self._gate is not None:
-            gate, lock = self._gate
-            with lock:
-                gate.logout(client, now())
+        with self._robot.switch.lock:
+            self._robot.gate.logout(client, now())
 
     def leave(self, visit: Visit) -> None:
         """A client goes in order. Its outputs keep their values."""
@@ -78,10 +73,8 @@ class Guests:
             present = [one for one in self.visits.all() if one.present]
         for visit in late:
             self._gone(visit, "its token was never there")
-        if self._gate is None:
-            return
-        gate, lock = self._gate
-        with lock:
+        gate = self._robot.gate
+        with self._robot.switch.lock:
             for visit in present:
                 with contextlib.suppress(AccessRefused):
                     gate.renew(visit.client, now())
@@ -114,7 +107,7 @@ class Guests:
         if spec_hash and spec_hash != self._hash:
             text = f"{self._keys.name} has the spec {self._hash}, and {name} was made from {spec_hash}"
             raise Refused("spec", LinkBusy(text))
-        link, _, _ = self._robot.share()
+        link = self._robot.board_link()
         reads = str(query.key_expr) == self._keys.fixed("hello_read")
         if reads and not self._reading:
             raise Refused(
@@ -142,10 +135,8 @@ class Guests:
     def _gone(self, visit: Visit, why: str) -> None:
         """A client is gone without a word. Its parts become safe, by the thread of the robot."""
         self._let_go(visit)
-        if self._gate is not None:
-            gate, lock = self._gate
-            with lock:
-                gate.gone(visit.client, now(), why)
+        with self._robot.switch.lock:
+            self._robot.gate.gone(visit.client, now(), why)
 
     def _let_go(self, visit: Visit) -> None:
         with self.lock:

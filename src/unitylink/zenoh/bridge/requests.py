@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Callable
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from .refusals import Refusals
     from .visits import Visit, Visits
 
+_log = logging.getLogger("unitylink.zenoh")
 _ALWAYS = frozenset((UNSUBSCRIBE, LEAVE))  # what is done however late: it only lets something go
 _ERROR, _ANSWER = b"e", b"a"  # what the ledger keeps: an answer, or an error
 
@@ -79,7 +81,10 @@ class Requests:
     def answer_once(
         self, query: zenoh.Query, visit: Visit, request: Request, do: Callable[[], bytes]
     ) -> object:
-        """Answer with what `do` returns or raises. It is called once, whatever comes how often."""
+        """Answer with what `do` returns or raises. It is called once, whatever comes how often.
+
+        An error of this program is OutcomeUnknown for all who have asked, and is raised.
+        """
         place = (visit.number, request.id)
         with self._lock:
             known = visit.ledger.begin(request.id, request.settled)
@@ -93,29 +98,30 @@ class Requests:
         if isinstance(known, bytes):
             self._reply(query, known)
             return None
+        kept = _ERROR + encode_failure(OutcomeUnknown("the bridge failed while it executed the request"))
         try:
             kept = _ANSWER + do()
         except UnityLinkError as error:
             self._refusals.add(reason_of(error), f"{query.key_expr}: {error}")
             kept = _ERROR + encode_failure(error)
-        except BaseException:
+        finally:
             with self._lock:
-                visit.ledger.finish(request.id, _ERROR + encode_failure(OutcomeUnknown("the bridge failed")))
-            raise
-        with self._lock:
-            visit.ledger.finish(request.id, kept)
-            copies = self._copies.pop(place, [])
-        for one in [query, *copies]:
-            self._reply(one, kept)
-        for one in copies:
-            one.drop()
+                visit.ledger.finish(request.id, kept)
+                copies = self._copies.pop(place, [])
+            self._reply(query, kept)
+            for one in copies:
+                self._reply(one, kept)
+                one.drop()
         return None
 
     def _reply(self, query: zenoh.Query, kept: bytes) -> None:
-        if kept[:1] == _ERROR:
-            query.reply_err(kept[1:])
-        else:
-            query.reply(query.key_expr, kept[1:])
+        try:
+            if kept[:1] == _ERROR:
+                query.reply_err(kept[1:])
+            else:
+                query.reply(query.key_expr, kept[1:])
+        except Exception as failed:  # whoever asked is gone; the others get their answers
+            _log.debug("no answer to %s: %s", query.key_expr, failed)
 
     def _done(self, visit: Visit, request: Request) -> bytes:
         words: list[int] = []

@@ -191,6 +191,7 @@ def test_a_stop_is_tried_until_the_board_answers(monkeypatch: pytest.MonkeyPatch
         one.registers[TARGET] = 5
         with monkeypatch.context() as patched:
             patched.setattr(Link, "write_many", silent)
+            patched.setattr(Link, "trip", silent)
             await one.press("space")
             await one.until(lambda: one.notes.count("THE STOP DOES NOT WORK YET") > 1)
             assert "not answered yet" in one.text("banner") and one.registers[TARGET] == 5

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stop of a robot: the gate refuses writes, the outputs become safe, and the board remembers it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from unitylink.connection.schemes import scheme_of
+from unitylink.errors import AccessRefused, DeadManTripped, DeviceMismatch, LinkDown, UnityLinkError
+from unitylink.protocol import CONTROL_VALUE_FEATURE_DEADMAN
+
+from .audit import complain
+from .gate import Client, Gate, Now
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+    from .stop_file import StopFile
+
+DEAD_MAN = "the board's dead-man"  # who has stopped a robot whose board was found tripped
+
+
+def now() -> Now:
+    """Return the time, by the clock that does not jump and by that of the wall."""
+    return Now(time.monotonic(), time.time())
+
+
+class StopSwitch:
+    """Stops and arms the robot of `gate`, from any thread. `lock` guards the gate.
+
+    A stop also trips the dead-man of the board. So the board itself refuses writes until `arm`, whatever
+    becomes of this program: who begins with a board that has tripped begins stopped (`attach`). A stop that
+    cannot reach the board is done when it can (`keep`). `arm` lets the dead-man run again as before.
+
+    `memory` is a file that remembers a stop, too: for boards that have no dead-man, or lose their power.
+    `changed` is called after each stop, with the lock held. Hold `board` while a request is under way.
+    """
+
+    def __init__(
+        self, gate: Gate, memory: StopFile | None = None, changed: Callable[[], object] = lambda: None
+    ) -> None:
+        self.gate, self.lock = gate, threading.Lock()
+        self.board = threading.Lock()
+        self._memory, self._changed = memory, changed
+        self._orders = threading.Lock()  # held while a stop, or an arm, is at the board
+        self._begun = self._over = 0  # stops that have begun, and that have reached the board or failed
+        self._due = False  # a stop has not reached the board
+        self._links: tuple[Link, ...] = ()
+        self._seen: tuple[int, ...] = ()  # the generations of the links, when the board was stopped
+        self._write_safe: Callable[[], object] = lambda: None
+        if memory is not None and (who := memory.read()):
+            gate.found_stopped(who, f"{memory.path} says so", now())
+
+    def attach(self, links: Sequence[Link], write_safe: Callable[[], object]) -> None:
+        """Begin with the links to the board, before anybody can write. Raises LinkError.
+
+        `write_safe` writes all SAFE values. Who stops the robot of a server or bridge leaves it to that.
+        """
+        tripped = not any(map(_is_served, links)) and any(map(_tripped, links))
+        with self.lock:
+            if tripped and not self.gate.stopped_by:
+                self.gate.found_stopped(DEAD_MAN, "it had tripped when the board was opened", now())
+            self._due = bool(self.gate.stopped_by)
+            self._links, self._write_safe = tuple(links), write_safe
+        try:
+            self.keep()
+        except UnityLinkError:
+            self.detach()
+            raise
+
+    def detach(self) -> None:
+        """The links are gone."""
+        self._links = ()
+
+    def stop(self, client: Client) -> None:
+        """Make the outputs safe now, end all leases, and refuse writes until `arm`.
+
+        Raises AccessRefused if the user is not logged in any more, and a LinkError if the board did not
+        answer, or is away. Then writes are refused all the same, and `keep` tries again.
+        """
+        with self.lock:
+            self.gate.stopped(client, now())
+            self._begun += 1
+            self._due = True
+        try:
+            self._make_safe_at_once()
+            self._stop_board()
+        finally:
+            with self.lock:
+                self._over += 1
+                self._changed()
+
+    def arm(self, client: Client) -> None:
+        """Allow writes again, after a stop or after the board's dead-man has tripped.
+
+        A stop that is under way, or begins meanwhile, wins. Raises AccessRefused then, or if the user may not
+        arm, and a LinkError if the board did not answer. Then the robot stays stopped.
+        """
+        with self.lock:
+            self.gate.check_arm(client, now())
+            stops = self._over
+            self._check_no_stop(stops)
+        with self._orders:
+            with self.lock:
+                self._check_no_stop(stops)
+            if not self._links:
+                raise LinkDown(f"the board of {self.gate.name} is away; arm it when it is back")
+            for link in self._links:
+                if _is_served(link) or _has_dead_man(link):
+                    link.arm()
+            self._forget()
+            with self.lock:
+                self._check_no_stop(stops)
+                self.gate.armed(client, now())
+                self._due = False
+
+    def keep(self) -> None:
+        """Do a stop that has not reached the board, or that the board has lost. Raises LinkError.
+
+        Call it often.
+        """
+        lost = self._seen != self._generations() and not any(map(_is_served, self._links))
+        with self.lock:
+            stopped = bool(self.gate.stopped_by)
+        if stopped and self._links and (self._due or lost):
+            self._stop_board()
+
+    def _check_no_stop(self, known: int) -> None:
+        if self._begun != known:
+            raise AccessRefused(f"{self.gate.stopped_by} is stopping the robot; arm it after that")
+
+    def _make_safe_at_once(self) -> None:
+        """Write the SAFE values beside a request or an arm that is under way, before the dead-man trips."""
+        if not any(map(_is_served, self._links)):  # there, the first write would take leases
+            with suppress(UnityLinkError):  # what follows tells it
+                self._write_safe()
+
+    def _stop_board(self) -> None:
+        """Trip the dead-man. Without one, write the SAFE values when what is under way has ended."""
+        with self._orders:
+            with self.lock:
+                if not (who := self.gate.stopped_by):
+                    return  # somebody has armed it meanwhile
+            try:
+                if not self._links:
+                    raise LinkDown(
+                        f"the board of {self.gate.name} is away; nobody writes before somebody arms it, and "
+                        "its outputs are made safe when it is back"
+                    )
+                seen = self._generations()
+                tripped = [_trip(link) for link in self._links]
+                if not all(tripped):
+                    with self.board, suppress(DeadManTripped):
+                        self._write_safe()
+                self._seen, self._due = seen, False
+            finally:
+                self._remember(who)
+
+    def _generations(self) -> tuple[int, ...]:
+        return tuple(link.generation for link in self._links)
+
+    def _remember(self, who: str) -> None:
+        if self._memory is not None and self._memory.read() != who:
+            try:
+                self._memory.write(who)
+            except OSError as error:
+                complain(
+                    f"{self._memory.path}: {error.strerror or error}; so the stop of {self.gate.name} may "
+                    "not outlive this program"
+                )
+
+    def _forget(self) -> None:
+        if self._memory is not None:
+            try:
+                self._memory.remove()
+            except OSError as error:
+                raise UnityLinkError(
+                    f"{self._memory.path}: {error.strerror or error}; remove it, and arm again: while it is "
+                    "there, the robot is stopped"
+                ) from error
+
+
+def _is_served(link: Link) -> bool:
+    """Whether a server or a bridge is between this link and the board. That one has a stop of its own."""
+    return scheme_of(link.url).name in ("serve", "zenoh")
+
+
+def _has_dead_man(link: Link) -> bool:
+    description = link.description if link.protocol == "framed" else None
+    return description is not None and bool(description.features & CONTROL_VALUE_FEATURE_DEADMAN)
+
+
+def _tripped(link: Link) -> bool:
+    state = link.dead_man() if _has_dead_man(link) else None
+    return state is not None and state.tripped
+
+
+def _trip(link: Link) -> bool:
+    """Trip the dead-man behind a link. Return False if it has none, or this program may not."""
+    if not (_is_served(link) or _has_dead_man(link)):
+        return False
+    try:
+        link.trip()
+    except (AccessRefused, DeviceMismatch):
+        return False
+    return True
