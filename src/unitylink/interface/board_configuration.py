@@ -31,6 +31,8 @@ from unitylink.spec.ring import ring_at
 LEAST_GROUPS, SPARE_GROUPS = 4, 2
 LEAST_READ_MANY = 16
 
+STROBE_CLOCKS = 5  # between two base strobes, beside one for each group (subscription_manager)
+
 
 @dataclass(frozen=True)
 class TosnetNode:
@@ -141,6 +143,11 @@ class BoardConfiguration(Settings):
             raise ValueRangeError(
                 f"board configuration: baud_hz is {self.baud_hz}; choose 0 to {self.clock_hz} (clock_hz)"
             )
+        if self.window & (self.window - 1):
+            raise ValueRangeError(
+                f"board configuration: window is {self.window}; choose a power of two, "
+                f"as {1 << self.window.bit_length() - 1}"
+            )
         if self.fifo != 0 and self.fifo < 4:
             raise ValueRangeError(
                 f"board configuration: fifo is {self.fifo}; choose at least 4 bytes, or 0 for large"
@@ -204,6 +211,8 @@ class BoardConfiguration(Settings):
         }
         chosen["components"] = components_of(spec, overrides.get("clock_hz", CLOCK_HZ_DEFAULT))
         chosen = {**chosen, **_link_of(spec), **_publishing_of(spec), **overrides}
+        if wrong := _wrong(SETTINGS["engine"], chosen.get("engine") or "fast"):
+            raise ValueRangeError(f"board configuration: {wrong}")
         board = cls(**{**chosen, "engine": "fast"})
         if "engine" not in chosen and small_will_do(spec, board, overrides):
             chosen["engine"] = "small"
@@ -221,7 +230,8 @@ class BoardConfiguration(Settings):
             "safe_words": safe_words(spec, board.data_bits),
         }
         board = replace(board, **{name: value for name, value in found.items() if name not in overrides})
-        if wrong := board.beyond_frames() or (too_often(spec, board) if board.engine == "small" else ""):
+        near = too_often(spec, board) if board.engine == "small" else board.strobes_too_near()
+        if wrong := board.beyond_frames() or near:
             raise ValueRangeError(f"board configuration: {wrong}")
         return board
 
@@ -257,6 +267,17 @@ class BoardConfiguration(Settings):
                 f"define {self.exchange_words_most} words: choose at most that many, and make several groups"
             )
         return ""
+
+    def strobes_too_near(self) -> str:
+        """If base strobes come faster than the groups are looked at, return this with the remedy, else ""."""
+        least = self.groups + STROBE_CLOCKS if self.publish_mode else 1
+        apart = self.clock_hz // self.base_hz
+        if apart >= least:
+            return ""
+        return (
+            f"a base strobe comes every {apart} clocks, and {self.groups} groups need {least}: "
+            f"choose a BASE_RATE of at most {self.clock_hz // least} Hz, or a faster clock"
+        )
 
 
 def _wrong(setting: Setting, value: Any) -> str:

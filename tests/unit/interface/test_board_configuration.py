@@ -167,3 +167,23 @@ def test_a_queue_s_words_are_its_own() -> None:
         queue() { FIFO(BASE=0x80, DEPTH=8); @taken = 0x0: READCLEAR(); @put = 0x0: PULSE(); }"""
     )
     assert BoardConfiguration.for_spec(spec).strobe_words == ()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"engine": "tiny"}, "engine is 'tiny'; choose fast, small"),
+        ({"window": 12}, "window is 12; choose a power of two, as 8"),
+        ({"window": 3, "engine": "small"}, "window is 3; choose a power of two, as 2"),
+        (
+            {"base_hz": 20_000_000},
+            "every 0 clocks, and 4 groups need 9: choose a BASE_RATE of at most 1333333 Hz",
+        ),
+        ({"base_hz": 20_000_000, "publish_mode": 0}, "0 clocks, and 4 groups need 1: .* at most 12000000 Hz"),
+    ],
+)
+def test_what_no_gateware_can_be_is_refused_before_it_is_made(
+    overrides: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueRangeError, match=message):
+        BoardConfiguration.for_spec(memory("0x00"), **{"clock_hz": 12_000_000, **overrides})

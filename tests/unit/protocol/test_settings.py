@@ -165,12 +165,10 @@ def test_urls_and_simulate_have_the_same_options() -> None:
         setting = next(s for s in SETTINGS.values() if s.option == option)
         if setting.type != "count" or setting.name in ("fifo", "baud_hz", "clock_hz"):
             continue
-        board, url = simulated_board(
-            f"sim:{SCARA}?{option}={setting.most if option != 'exchange_size' else 81}"
-        )
+        most = {"exchange_size": 81, "base_hz": 5_000_000}.get(option, setting.most)
+        board, url = simulated_board(f"sim:{SCARA}?{option}={most}")
         board.close()
-        chosen = getattr(board.configuration, setting.name)
-        assert chosen == (81 if option == "exchange_size" else setting.most)
+        assert getattr(board.configuration, setting.name) == most
         assert (f"{option}=" in url) == setting.told, "the link is told what the device tells"
 
 
@@ -181,6 +179,7 @@ def test_urls_and_simulate_have_the_same_options() -> None:
         ("exchanges=5", "exchanges is 5; choose 0 to 4"),
         ("exchange_size=82", "one frame can define 81 words"),
         ("data_bits=4", "data_bits is 4; choose 8 to 32"),
+        ("base_hz=50000000", "choose a BASE_RATE of at most"),
     ],
 )
 def test_a_url_cannot_ask_for_what_no_gateware_has(option: str, words: str) -> None:

@@ -364,7 +364,7 @@ def _check(configuration: BoardConfiguration) -> None:
         value = getattr(configuration, name)
         if value != fixed:
             raise BindingError(f"vhdl: {name} is {value}; gateware has {fixed}: leave it out")
-    if wrong := configuration.beyond_frames():
+    if wrong := configuration.beyond_frames() or configuration.strobes_too_near():
         raise BindingError(f"vhdl: {wrong}")
 
 
