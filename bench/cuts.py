@@ -16,19 +16,16 @@ import os
 import random
 import statistics
 import tempfile
-import threading
 import time
 from pathlib import Path
 
-from fleet import UP_S, until
-from namespaces import PORT, ROUTER, TTL_S, Lab, described, pids
-from partition import BEFORE_S, Sender, end, judge, started
+from lab import PORT, Lab
+from namespaces import described, up
+from partition import BEFORE_S, judge
+from processes import end_on_signals, router_program
+from writers import Writers
 
-
-def fresh_after_s(senders: list[Sender], since_s: float) -> float:
-    """Wait until all robots have published since then. Return how long that took."""
-    until(lambda: all(one.last_seen_s > since_s for one in senders), UP_S)
-    return max(one.last_seen_s for one in senders) - since_s
+TTL_S = 0.1
 
 
 def main() -> None:
@@ -39,33 +36,34 @@ def main() -> None:
         "--cut", type=float, default=10.0, metavar="S", help="how long each takes, and up to 1 s more"
     )
     options = parser.parse_args()
+    end_on_signals()
     with contextlib.ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         lab = Lab(stack)
         router = f"tcp/{lab.join('router1')}:{PORT}"
-        for name in ("robots", "reader"):
+        for name in ("m0", "reader"):
             lab.join(name)
-        lab.start("router1", "-c", ROUTER, router, "")
-        fleet = described(folder, options.robots, router)
-        lab.start("robots", "-m", "unitylink", "fleet", str(fleet.file))
+        lab.start("router1", *router_program(router))
+        whole, (fleet,) = described(folder, options.robots, router)
+        lab.start("m0", "-m", "unitylink", "fleet", str(fleet.file))
         lab.enter("reader")
-        until(lambda: pids(fleet), UP_S)
-        stop = threading.Event()
-        senders = started([robot.key for robot in fleet.robots], router, TTL_S, stop)
-        until(lambda: all(one.last_seen_s for one in senders), UP_S)
+        up([fleet])
+        writers = Writers(stack, [robot.key for robot in whole.robots], router, TTL_S)
         times_s: list[float] = []
         for number in range(1, options.cuts + 1):
             time.sleep(BEFORE_S)
-            lab.let("robots", False)
+            lab.let("m0", False)
             time.sleep(options.cut + random.random())
-            lab.let("robots", True)
-            times_s.append(fresh_after_s(senders, time.monotonic()))
+            whole_s = time.monotonic()
+            lab.let("m0", True)
+            times_s.append(writers.fresh_after_s(whole_s))
             print(f"cut {number}: all values are fresh {times_s[-1]:.2f} s later", flush=True)
-        end(senders, stop)
+        time.sleep(BEFORE_S)
+        writers.end()
         print(f"median {statistics.median(times_s):.2f} s, worst {max(times_s):.2f} s", end="; ")
         quick = sum(one <= 1 for one in times_s)
         print(f"within 1 s: {quick} of {len(times_s)}; load {os.getloadavg()[0]:.0f}")
-        judge(folder, senders, TTL_S)
+        judge(folder, writers, TTL_S)
 
 
 if __name__ == "__main__":

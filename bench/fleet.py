@@ -11,17 +11,18 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import os
 import signal
-import socket
 import statistics
 import struct
-import subprocess
-import sys
 import tempfile
 import threading
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+from processes import Processes, end_on_signals, free_port, router_program
 
 from unitylink.commands.fleet_bridges import start_bridge
 from unitylink.fleet.description import Fleet
@@ -32,12 +33,6 @@ from unitylink.zenoh.session import Network
 WORDS = 18
 HEAD = struct.Struct("<Iq")  # of a publication: sequence, time by the bridge's clock
 UP_S = 120.0
-ROUTER = """
-import sys
-from unitylink.zenoh.session import Network
-with Network(listen=sys.argv[1]).opened():
-    sys.stdin.read()
-"""
 TICKS_HZ = os.sysconf("SC_CLK_TCK")
 
 
@@ -45,8 +40,8 @@ class Reader:
     """Counts what comes of one robot, and what is missing by its sequence."""
 
     def __init__(self) -> None:
-        self.came = self.missing = 0
-        self.last_s = 0.0
+        self.came = self.missing = self.begun_again = 0
+        self.newest_s = 0.0  # when its newest publish was sampled
         self.delays_ms: list[float] = []
         self._next: int | None = None
         self._lock = threading.Lock()
@@ -55,23 +50,29 @@ class Reader:
         sequence, time_ns = HEAD.unpack_from(data)
         now_ns = time.monotonic_ns()
         with self._lock:
-            if self._next is not None:
-                self.missing += (sequence - self._next) & 0xFFFFFFFF
+            gap = 0 if self._next is None else (sequence - self._next) & 0xFFFFFFFF
+            if gap < 1 << 31:
+                self.missing += gap
+            else:  # another bridge counts from 0
+                self.begun_again += 1
             self._next = sequence + 1
             self.came += 1
-            self.last_s = now_ns / 1e9
+            self.newest_s = time_ns / 1e9
             self.delays_ms.append((now_ns - time_ns) / 1e6)
 
     def restart(self) -> None:
         """Count from here."""
         with self._lock:
-            self.came = self.missing = 0
+            self.came = self.missing = self.begun_again = 0
             self.delays_ms = []
 
 
 def cpu_s(pid: int) -> float:
-    """Return the processor time of a process."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    """Return the processor time of a process. NaN: it has ended."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except FileNotFoundError:
+        return math.nan
     return (int(fields[11]) + int(fields[12])) / TICKS_HZ
 
 
@@ -91,16 +92,6 @@ def described(folder: Path, count: int, rate_hz: int, router: str) -> Fleet:
     return read_fleet(file)
 
 
-def started_router(locator: str) -> subprocess.Popen[bytes]:
-    """Start a router as a process, and wait until it answers."""
-    router = subprocess.Popen([sys.executable, "-c", ROUTER, locator], stdin=subprocess.PIPE)
-    host, _, port = locator.removeprefix("tcp/").rpartition(":")
-    while True:
-        with contextlib.suppress(OSError), socket.create_connection((host, int(port)), 0.2):
-            return router
-        time.sleep(0.02)
-
-
 def until(true: object, within_s: float) -> float:
     """Wait until something is true. Return how long it took."""
     began_s = time.monotonic()
@@ -112,32 +103,37 @@ def until(true: object, within_s: float) -> float:
 
 
 def measure(
-    readers: dict[str, Reader], rate_hz: int, router: int, bridges: list[int], seconds: float
+    readers: dict[str, Reader], rate_hz: int, seconds: float, programs: Mapping[str, Sequence[int]]
 ) -> None:
-    """Print what comes in some seconds, and what that costs."""
+    """Print what comes in some seconds, and what that costs. `programs` are processes by what they do."""
     for reader in readers.values():
         reader.restart()
-    pids = [router, *bridges]
-    before, began_s = {pid: cpu_s(pid) for pid in pids}, time.monotonic()
+    all_pids = [pid for pids in programs.values() for pid in pids]
+    before, idle_s, began_s = {pid: cpu_s(pid) for pid in all_pids}, machine_idle_s(), time.monotonic()
     time.sleep(seconds)
     took_s = time.monotonic() - began_s
-    used = {pid: (cpu_s(pid) - before[pid]) / took_s for pid in pids}
-    came, missing = (sum(getattr(one, what) for one in readers.values()) for what in ("came", "missing"))
+    used = {pid: (cpu_s(pid) - before[pid]) / took_s for pid in all_pids}
+    idle = (machine_idle_s() - idle_s) / took_s
+    came, missing, again = (
+        sum(getattr(one, what) for one in readers.values()) for what in ("came", "missing", "begun_again")
+    )
     delays = sorted(delay for one in readers.values() for delay in one.delays_ms)
     asked = len(readers) * rate_hz * took_s
     print(f"came {came:,} publishes of {WORDS} words in {took_s:.1f} s ({came / asked:.2f} of what is asked)")
-    print(f"lost by sequence {missing}")
+    print(f"lost by sequence {missing}" + (f"; {again} bridges have begun again" if again else ""))
     late_ms = delays[len(delays) * 99 // 100]
     print(f"from bridge to reader: median {statistics.median(delays):.2f} ms, 99 % {late_ms:.1f} ms")
-    print(f"router: {100 * used[router]:.1f} % of a core, {memory_mb(router):.1f} MB")
-    bridge = statistics.mean(used[pid] for pid in bridges)
-    print(f"a bridge with its board: {100 * bridge:.2f} % of a core, {memory_mb(bridges[0]):.1f} MB")
+    for name, pids in programs.items():
+        there = [pid for pid in pids if not math.isnan(used[pid])]
+        shares = [100 * used[pid] for pid in there]
+        print(f"{name}: {statistics.mean(shares):.2f} % of a core, {memory_mb(there[0]):.1f} MB", end="")
+        print(f"; {len(shares)} of them {sum(shares):.0f} %" if len(pids) > 1 else "")
+    print(f"of {os.cpu_count()} cores, {100 * idle:.0f} % of one is free", flush=True)
 
 
-def free_port() -> int:
-    """Return a port that nobody has."""
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return int(one.getsockname()[1])
+def machine_idle_s() -> float:
+    """Return how long all processors of the machine had nothing to do."""
+    return int(Path("/proc/stat").read_text().split(maxsplit=5)[4]) / TICKS_HZ
 
 
 def main() -> None:
@@ -147,10 +143,11 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--kill-router", action="store_true", help="kill it, and start it again after 2 s")
     options = parser.parse_args()
+    end_on_signals()
     locator = f"tcp/127.0.0.1:{free_port()}"
-    router = started_router(locator)
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
-        stack.callback(lambda: router.kill())  # noqa: PLW0108  the one that runs then
+        programs = Processes(stack)
+        router, _ = programs.start(*router_program(locator))
         fleet = described(Path(folder), options.robots, options.rate, locator)
         began_s = time.monotonic()
         supervisor = stack.enter_context(Supervisor(fleet, lambda name, text: None, start_bridge))
@@ -166,16 +163,17 @@ def main() -> None:
             )
         until(lambda: all(one.came for one in readers.values()), UP_S)
         pids = [one.pid for one in supervisor.reports() if one.pid is not None]
-        measure(readers, options.rate, router.pid, pids, options.seconds)
+        measured = {"router": [router.pid], "a bridge with its board": pids, "this reader": [os.getpid()]}
+        measure(readers, options.rate, options.seconds, measured)
         gone = until_gone(supervisor, pids[0])
         print(f"a bridge is killed: its token is gone after {gone:.3f} s")
         if options.kill_router:
             router.kill()
             router.wait()
             time.sleep(2.0)
-            router = started_router(locator)
-            back_s = time.monotonic()
-            fresh = until(lambda: all(one.last_s > back_s for one in readers.values()), UP_S)
+            back_s = float(programs.start(*router_program(locator))[1])
+            until(lambda: all(one.newest_s > back_s for one in readers.values()), UP_S)
+            fresh = time.monotonic() - back_s
             print(f"the router is killed, and back after 2 s: all values are fresh {fresh:.2f} s later")
 
 

@@ -2,154 +2,92 @@
 """Robots, routers and readers in network namespaces, as on machines of their own. Needs root.
 
     python bench/namespaces.py
-    python bench/namespaces.py --robots 16 --routers 2
+    python bench/namespaces.py --robots 64 --machines 8 --routers 2
 
 Virtual cables join them to a switch, which can drop what goes to one of them, or slow it down. One after the
 other: all is well; a reader is slow; a board dies; a router is killed, and comes back; the robots are cut off
-while set-points go to them, and an oracle on each board notes what is executed.
+while set-points go to them, and an oracle on each board notes what is executed. All publishes are read all
+the time.
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import ctypes
 import os
 import signal
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import zenoh
 from fleet import UP_S, WORDS, Reader, measure, until
+from lab import PORT, Lab
 from partition import ORACLE, cut, executed, judge
+from processes import end_on_signals, router_program
+from writers import Writers
 
-from unitylink.errors import UnityLinkError
 from unitylink.fleet.description import Fleet
 from unitylink.fleet.look import look_at
 from unitylink.fleet.reader import read_fleet
+from unitylink.fleet.report import RobotReport
 from unitylink.fleet.robots import Robots
 from unitylink.zenoh.session import Network
 
-RATE_HZ, TTL_S, DOWN_S, PORT = 100, 0.1, 2.0, 7447
+TTL_S, DOWN_S, HEARD_HZ = 0.1, 2.0, 10.0
 STAMP, STARTS = 0x40, 100
-ITEMS = "".join(f"@v{n} = 0x{0x10 + n:X}: READ(PUBLISH({RATE_HZ} Hz)); " for n in range(WORDS - 1))
-SPEC = (
-    f"public arm() {{ {ITEMS}@count = 0x30: READ(PUBLISH({RATE_HZ} Hz)); "
-    f"@stamp = {STAMP:#x}: u32 WRITE(SAFE=0); }}\n"
-)
-ROUTER = """
-import sys, time
-from unitylink.zenoh.session import Network
-with Network(listen=sys.argv[1], connect=sys.argv[2]).opened():
-    print("there", flush=True)
-    time.sleep(3600)
-"""
 SLOW = """
 import sys, time
 from unitylink.zenoh.session import Network
 with Network(connect=sys.argv[1]).opened() as session:
-    kept = session.declare_subscriber("bench/*/publish/**", lambda sample: None)
+    kept = session.declare_subscriber("*/*/publish/**", lambda sample: None)
     print("there", flush=True)
     time.sleep(3600)
 """
 SLOW_RATE = "100kbit"
 
 
-def ip(*words: str) -> None:
-    """Run `ip`. Raises CalledProcessError."""
-    subprocess.run(["ip", *words], check=True)
-
-
-class Lab:
-    """Namespaces around a switch. All ends with the `with` block."""
-
-    def __init__(self, stack: contextlib.ExitStack) -> None:
-        self._stack = stack
-        self._mark = f"ul{os.getpid()}"
-        self._names: list[str] = []
-        self._switch = self._namespace("switch")
-        ip("-n", self._switch, "link", "add", "switch", "type", "bridge")
-        ip("-n", self._switch, "link", "set", "switch", "up")
-
-    def _namespace(self, name: str) -> str:
-        whole = f"{self._mark}{name}"
-        ip("netns", "add", whole)
-        self._stack.callback(subprocess.run, ["ip", "netns", "del", whole], check=False)
-        ip("-n", whole, "link", "set", "lo", "up")
-        return whole
-
-    def join(self, name: str) -> str:
-        """Make a namespace, with a cable to the switch. Return its address."""
-        space = self._namespace(name)
-        self._names.append(name)
-        address = f"10.77.0.{len(self._names)}"
-        ip("link", "add", name, "netns", self._switch, "type", "veth", "peer", "name", "net", "netns", space)
-        ip("-n", self._switch, "link", "set", name, "master", "switch", "up")
-        ip("-n", space, "address", "add", f"{address}/24", "dev", "net")
-        ip("-n", space, "link", "set", "net", "up")
-        return address
-
-    def start(self, name: str, *words: str) -> subprocess.Popen[str]:
-        """Start a program there, and wait for its first line."""
-        space = f"{self._mark}{name}"
-        one = subprocess.Popen(
-            ["ip", "netns", "exec", space, sys.executable, *words], stdout=subprocess.PIPE, text=True
-        )
-        self._stack.callback(one.wait)
-        self._stack.callback(one.terminate)
-        assert one.stdout is not None
-        one.stdout.readline()
-        return one
-
-    def let(self, name: str, through: bool) -> None:
-        """Pull a cable out of the switch, or put it back. Its end in the namespace does not notice."""
-        ip("-n", self._switch, "link", "set", name, *(("master", "switch") if through else ("nomaster",)))
-
-    def slow_down(self, name: str, rate: str) -> None:
-        """Let the switch give so many bits a second at most to a namespace."""
-        limit = ("tbf", "rate", rate, "burst", "10kb", "latency", "100ms")
-        subprocess.run(
-            ["tc", "-n", self._switch, "qdisc", "add", "dev", name, "root", *limit],
-            check=True,
-        )
-
-    def enter(self, name: str) -> None:
-        """Let this thread, and all that it starts, be there."""
-        with open(f"/run/netns/{self._mark}{name}", "rb") as space:
-            if ctypes.CDLL(None, use_errno=True).setns(space.fileno(), 0):
-                raise OSError(ctypes.get_errno(), "setns")
-
-
-def described(folder: Path, robots: int, router: str) -> Fleet:
-    """Write and read the description of a fleet whose router is elsewhere."""
-    (folder / "arm.ul").write_text(SPEC)
+def described(
+    folder: Path, robots: int, router: str, *, machines: int = 1, rate_hz: int = 100
+) -> tuple[Fleet, list[Fleet]]:
+    """Write and read the description of all robots, and that of each machine. The router is elsewhere."""
+    items = "".join(f"@v{n} = 0x{0x10 + n:X}: READ(PUBLISH({rate_hz} Hz)); " for n in range(WORDS - 1))
+    count = f"@count = 0x30: READ(PUBLISH({rate_hz} Hz)); "
+    (folder / "arm.ul").write_text(
+        f"public arm() {{ {items}{count}@stamp = {STAMP:#x}: u32 WRITE(SAFE=0); }}\n"
+    )
     (folder / "oracle.py").write_text(ORACLE.replace("0x10", hex(STAMP)))
-    rows = "".join(f'[[robot]]\nname = "r{n}"\nlink = "sim:arm.ul?plant=oracle.py"\n' for n in range(robots))
-    file = folder / "fleet.toml"
-    file.write_text(f'[fleet]\nname = "bench"\nconnect = "{router}"\n{rows}')
-    return read_fleet(file)
+
+    def fleet(name: str, numbers: Sequence[int]) -> Fleet:
+        rows = "".join(
+            f'[[robot]]\nname = "r{n}"\nkey = "bench/r{n}"\nlink = "sim:arm.ul?plant=oracle.py"\n'
+            for n in numbers
+        )
+        file = folder / f"{name}.toml"
+        file.write_text(f'[fleet]\nname = "{name}"\nconnect = "{router}"\n{rows}')
+        return read_fleet(file)
+
+    all_of_them = range(robots)
+    return fleet("all", all_of_them), [fleet(f"m{n}", all_of_them[n::machines]) for n in range(machines)]
 
 
-def pids(fleet: Fleet) -> list[int]:
-    """Return the processes of the bridges, or none if not all robots are reachable."""
-    with contextlib.suppress(UnityLinkError):
-        _, robots = look_at(fleet)
-        found = [one.pid for one in robots if one.reachable and one.pid is not None]
-        return found if len(found) == len(robots) else []
-    return []
+def up(fleets: Sequence[Fleet]) -> list[RobotReport]:
+    """Wait until all robots are reachable. Return their reports."""
+    reports = [one for fleet in fleets for one in look_at(fleet, UP_S)[1]]
+    away = [one.key for one in reports if not one.reachable or one.pid is None]
+    if away:
+        raise SystemExit(f"not reachable within {UP_S:.0f} s: {', '.join(away)}")
+    return reports
 
 
 @contextlib.contextmanager
-def reading(session: zenoh.Session, fleet: Fleet) -> Iterator[dict[str, Reader]]:
+def reading(session: zenoh.Session, fleet: Fleet, rate_hz: int) -> Iterator[dict[str, Reader]]:
     """Read all publishes."""
     readers = {robot.key: Reader() for robot in fleet.robots}
     subscribers = [
         session.declare_subscriber(
-            f"{key}/publish/{RATE_HZ}_hz", lambda sample, take=one.take: take(sample.payload.to_bytes())
+            f"{key}/publish/{rate_hz}_hz", lambda sample, take=one.take: take(sample.payload.to_bytes())
         )
         for key, one in readers.items()
     ]
@@ -192,55 +130,96 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robots", type=int, default=4)
     parser.add_argument(
+        "--machines",
+        type=int,
+        default=1,
+        help="that the robots are spread over, each with a fleet of its own",
+    )
+    parser.add_argument(
         "--routers", type=int, choices=(1, 2), default=1, help="2: the reader is at the second"
     )
+    parser.add_argument("--rate", type=int, default=100, metavar="HZ", help="of publishes (%(default)d)")
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument(
         "--cut", type=float, default=10.0, metavar="S", help="how long the robots are cut off"
     )
+    parser.add_argument(
+        "--set-points", type=float, default=50.0, metavar="HZ", help="to each robot (%(default)g)"
+    )
     options = parser.parse_args()
+    end_on_signals()
     with contextlib.ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         lab = Lab(stack)
         first, last = (f"tcp/{lab.join(name)}:{PORT}" for name in ("router1", "router2"))
         if options.routers == 1:
             last = first
-        for name in ("robots", "reader", "slow"):
+        machines = [f"m{n}" for n in range(options.machines)]
+        for name in (*machines, "reader", "slow"):
             lab.join(name)
-        router = lab.start("router1", "-c", ROUTER, first, "")
+        router, _ = lab.start("router1", *router_program(first))
+        routers = [router.pid]
         if options.routers == 2:
-            lab.start("router2", "-c", ROUTER, last, first)
-        fleet = described(folder, options.robots, first)
-        lab.start("robots", "-m", "unitylink", "fleet", str(fleet.file))
+            routers.append(lab.start("router2", *router_program(last, first))[0].pid)
+        whole, fleets = described(
+            folder, options.robots, first, machines=options.machines, rate_hz=options.rate
+        )
+        started_s = time.monotonic()
+        supervisors = [
+            lab.start(name, "-m", "unitylink", "fleet", str(fleet.file))[0].pid
+            for name, fleet in zip(machines, fleets, strict=True)
+        ]
         lab.enter("reader")
-        there_s = until(lambda: pids(fleet), UP_S)
-        print(f"{options.robots} robots are up after {there_s:.1f} s; {options.routers} router(s)")
+        bridges = [one.pid for one in up(fleets) if one.pid is not None]
+        print(f"{options.robots} robots on {options.machines} machine(s) are up", end=" ")
+        print(f"after {time.monotonic() - started_s:.1f} s; {options.routers} router(s)", flush=True)
         session = stack.enter_context(Network(connect=last).opened())
-        with reading(session, fleet) as readers:
-            bridges = pids(fleet)
-            measure(readers, RATE_HZ, router.pid, bridges, options.seconds)
-            print(f"-- a reader beside it gets {SLOW_RATE}/s at most")
-            lab.slow_down("slow", SLOW_RATE)
-            slow = lab.start("slow", "-c", SLOW, last)
-            measure(readers, RATE_HZ, router.pid, bridges, options.seconds)
-            slow.kill()
-            print(f"-- a board dies: its token is gone after {gone_after_s(session, bridges[0]):.3f} s")
-            until(lambda: pids(fleet), UP_S)
-            router.kill()
-            time.sleep(DOWN_S)
-            router = lab.start("router1", "-c", ROUTER, first, "")
-            back_s = time.monotonic()
-            fresh_s = until(lambda: all(one.last_s > back_s for one in readers.values()), UP_S)
-            print(f"-- a router is away for {DOWN_S:g} s: all values are fresh {fresh_s:.2f} s later")
-        until(lambda: pids(fleet), UP_S)
-        apart_ms = spreads_ms(fleet, folder)
+        readers = stack.enter_context(reading(session, whole, options.rate))
+        programs = {
+            "router": routers,
+            "a bridge with its board": bridges,
+            "a fleet": supervisors,
+            "this reader": [os.getpid()],
+        }
+        measure(readers, options.rate, options.seconds, programs)
+        print(f"-- a reader beside it gets {SLOW_RATE}/s at most")
+        lab.slow_down("slow", SLOW_RATE)
+        slow, _ = lab.start("slow", "-c", SLOW, last)
+        measure(readers, options.rate, options.seconds, programs)
+        slow.kill()
+        print(
+            f"-- a board dies: its token is gone after {gone_after_s(session, bridges[0]):.3f} s", flush=True
+        )
+        up(fleets)
+        router.kill()
+        time.sleep(DOWN_S)
+        router, began_s = lab.start("router1", *router_program(first))
+        routers[0], back_s = router.pid, float(began_s)
+        until(lambda: all(one.newest_s > back_s for one in readers.values()), UP_S)
+        fresh_s = time.monotonic() - back_s
+        print(f"-- a router is away for {DOWN_S:g} s: all values are fresh {fresh_s:.2f} s later", flush=True)
+        up(fleets)
+        apart_ms = spreads_ms(whole, folder)
         print(
             f"-- {len(apart_ms)} of {STARTS} writes to all robots together came to the boards within "
             f"{apart_ms[len(apart_ms) // 2]:.1f} ms (median), {apart_ms[-1]:.1f} ms at most"
         )
-        keys = [robot.key for robot in fleet.robots]
-        senders = cut(keys, last, lambda through: lab.let("robots", through), options.cut, TTL_S)
-        judge(folder, senders, TTL_S)
+        keys, period_s = [robot.key for robot in whole.robots], 1 / options.set_points
+        writers = Writers(stack, keys, last, TTL_S, period_s=period_s, heard_hz=HEARD_HZ)
+        programs |= {
+            "a bridge with its board": [one.pid for one in up(fleets) if one.pid is not None],
+            "a program that sends set-points to up to 8 robots": writers.pids,
+        }
+        measure(readers, options.rate, options.seconds, programs)
+
+        def let(through: bool) -> None:
+            for name in machines:
+                lab.let(name, through)
+
+        cut(writers, let, options.cut)
+        judge(folder, writers, TTL_S)
+        again = sum(one.restarts or 0 for one in up(fleets))
+        print(f"bridges were started again: {again}, of which this bench killed 1")
 
 
 if __name__ == "__main__":

@@ -18,18 +18,15 @@ import socket
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
-from fleet import free_port
+from processes import end_on_signals, free_port
+from writers import APART, Writers
 
-from unitylink import connect
 from unitylink.commands.fleet_bridges import start_bridge
-from unitylink.errors import LinkError
 from unitylink.fleet.reader import read_fleet
 from unitylink.fleet.supervisor import Supervisor
-from unitylink.layer4_data import ReadValue
-from unitylink.zenoh.link import ZenohLink
 
 SPEC = "public arm() { @stamp = 0x10: u32 WRITE(SAFE=0); @count = 0x11: READ(PUBLISH(100 Hz)); }\n"
 ORACLE = '''
@@ -41,7 +38,7 @@ import time
 
 
 class Plant:
-    period_s = 0.001
+    period_s = 0.005
 
     def attach(self, spec, registers):
         self._registers, self._last, self._looked_s = registers, 0, time.monotonic()
@@ -56,10 +53,8 @@ class Plant:
         self._looked_s = now_s
 '''
 UP_S = 60.0
-PERIOD_S = 0.02
 BEFORE_S = 3.0  # how long all is well, before the cut and after it
 SILENT_S = 0.2  # what was on its way when it was cut
-APART = 1_000_000  # between the set-points of two robots, so that each is known by its value
 
 
 class Way:
@@ -94,43 +89,15 @@ class Way:
             end.close()
 
 
-class Sender(threading.Thread):
-    """Sends set-points to one robot until `stop`, and notes when each was sent."""
-
-    def __init__(self, url: str, first: int, ttl_s: float, stop: threading.Event) -> None:
-        super().__init__(daemon=True)
-        self._url, self._ttl_s, self._stop_all = url, ttl_s, stop
-        self.sent_s: dict[int, float] = {}
-        self._next = first
-        self.last_seen_s = 0.0
-
-    def run(self) -> None:
-        with connect(self._url) as link:
-            assert isinstance(link, ZenohLink)
-            robot = link.robot()
-            count = robot["count"]
-            assert isinstance(count, ReadValue)
-            count.on_publish(self._heard)
-            with contextlib.suppress(LinkError), robot.publishing():
-                goals = link.set_points("stamp", ttl_s=self._ttl_s)
-                while not self._stop_all.wait(PERIOD_S):
-                    self._next += 1
-                    self.sent_s[self._next] = time.monotonic()
-                    with contextlib.suppress(LinkError):
-                        goals.send(self._next)
-
-    def _heard(self, time_s: float, value: object) -> None:
-        self.last_seen_s = time.monotonic()
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robots", type=int, default=4)
     parser.add_argument("--cut", type=float, default=10.0, metavar="S", help="how long the way is cut")
     parser.add_argument("--ttl", type=float, default=0.1, metavar="S", help="time to live of a set-point")
     options = parser.parse_args()
+    end_on_signals()
     port = free_port()
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder = Path(name)
         (folder / "arm.ul").write_text(SPEC)
         (folder / "oracle.py").write_text(ORACLE)
@@ -143,55 +110,31 @@ def main() -> None:
             if not fleet.wait_up(UP_S):
                 raise SystemExit(f"not all robots came: {[one.state for one in fleet.reports()]}")
             way = Way(port)
-            place = f"tcp/127.0.0.1:{way.port}"
-            senders = cut(
-                [robot.key for robot in fleet.robots.values()], place, way.let, options.cut, options.ttl
-            )
-        judge(folder, senders, options.ttl)
+            keys = [robot.key for robot in fleet.robots.values()]
+            writers = Writers(stack, keys, f"tcp/127.0.0.1:{way.port}", options.ttl)
+            cut(writers, way.let, options.cut)
+        judge(folder, writers, options.ttl)
 
 
-def cut(
-    keys: Sequence[str], place: str, let: Callable[[bool], None], cut_s: float, ttl_s: float
-) -> list[Sender]:
-    """Send set-points to robots through the router at `place`. `let` cuts the way to them, and mends it."""
-    stop = threading.Event()
-    senders = started(keys, place, ttl_s, stop)
+def cut(writers: Writers, let: Callable[[bool], None], cut_s: float) -> None:
+    """Cut the way to robots, and mend it, while `writers` send to them. `let` does both. Then end them."""
     time.sleep(BEFORE_S)
-    if not all(sender.last_seen_s for sender in senders):
-        raise SystemExit("not all robots publish")
     let(False)
     began_s = time.monotonic()
-    print(f"the way to {len(senders)} robots is cut for {cut_s:g} s")
     time.sleep(cut_s)
-    silent = sum(sender.last_seen_s < began_s + SILENT_S for sender in senders)
-    let(True)
     whole_s = time.monotonic()
-    while not all(sender.last_seen_s > whole_s for sender in senders):
-        if time.monotonic() - whole_s > UP_S:
-            raise SystemExit("not all robots came back")
-        time.sleep(0.01)
-    fresh_s = time.monotonic() - whole_s
-    print(f"nothing came meanwhile from {silent} of them; all have fresh values {fresh_s:.2f} s later")
-    end(senders, stop)
-    return senders
-
-
-def started(keys: Sequence[str], place: str, ttl_s: float, stop: threading.Event) -> list[Sender]:
-    """Begin to send set-points to robots through the router at `place`."""
-    senders = [
-        Sender(f"zenoh:{key}?connect={place}", n * APART, ttl_s, stop) for n, key in enumerate(keys, 1)
-    ]
-    for sender in senders:
-        sender.start()
-    return senders
-
-
-def end(senders: Sequence[Sender], stop: threading.Event) -> None:
-    """Stop them when all has been well for a while."""
+    let(True)
+    fresh_s = writers.fresh_after_s(whole_s)
     time.sleep(BEFORE_S)
-    stop.set()
-    for sender in senders:
-        sender.join(10.0)
+    writers.end()
+    cut_off = [
+        not any(began_s + SILENT_S < came_s < whole_s for came_s, _ in heard)
+        for heard in writers.heard.values()
+    ]
+    print(
+        f"the way to {len(cut_off)} robots was cut for {cut_s:g} s; nothing came from {sum(cut_off)} of them"
+    )
+    print(f"all have fresh values {fresh_s:.2f} s later")
 
 
 def executed(folder: Path) -> list[tuple[float, int, float]]:
@@ -200,9 +143,9 @@ def executed(folder: Path) -> list[tuple[float, int, float]]:
     return [(float(at_s), int(value), float(before_s)) for at_s, value, before_s in map(json.loads, lines)]
 
 
-def judge(folder: Path, senders: list[Sender], ttl_s: float) -> None:
+def judge(folder: Path, writers: Writers, ttl_s: float) -> None:
     """Compare what the oracles saw with when it was sent."""
-    sent_s = {value: at_s for sender in senders for value, at_s in sender.sent_s.items()}
+    sent_s = writers.sent_s
     seen = executed(folder)
     ages_s = sorted(
         (at_s - sent_s[value], before_s - sent_s[value]) for at_s, value, before_s in seen if value >= APART

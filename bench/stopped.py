@@ -20,15 +20,13 @@ import os
 import random
 import signal
 import tempfile
-import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
 
-import partition
-from fleet import free_port
-from partition import APART, BEFORE_S, ORACLE, SPEC, Sender, judge
-from processes import Processes
+from partition import BEFORE_S, ORACLE, SPEC, judge
+from processes import Processes, end_on_signals, free_port
+from writers import Writers
 
 from unitylink import connect
 from unitylink.errors import LinkError
@@ -47,7 +45,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     chance = random.Random(options.seed)
-    partition.PERIOD_S = PERIOD_S
+    end_on_signals()
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         (folder / "arm.ul").write_text(SPEC)
@@ -56,18 +54,13 @@ def main() -> None:
         os.chdir(folder)
         programs = Processes(stack)
         board = ("-m", "unitylink", "simulate", "arm.ul", "--plant", "oracle.py", "--tcp", "0", "--json")
-        told = programs.start(*board)
+        _, told = programs.start(*board)
         router = f"tcp/127.0.0.1:{free_port()}"
         url = json.loads(told)["url"] + (f"?deadman={options.deadman}" if options.deadman else "")
         bridge = ("-m", "unitylink", "bridge", "zenoh", url, "arm.ul", "--key", KEY)
-        programs.start(*bridge, "--listen", router)
-        end = threading.Event()
-        sender = Sender(f"zenoh:{KEY}?connect={router}", APART, options.ttl, end)
-        sender.start()
+        pid = programs.start(*bridge, "--listen", router)[0].pid
+        writers = Writers(stack, [KEY], router, options.ttl, period_s=PERIOD_S)
         time.sleep(BEFORE_S)
-        if not sender.last_seen_s:
-            raise SystemExit("the robot does not publish")
-        pid = programs.pids[-1]
         link = stack.enter_context(connect(f"zenoh:{KEY}?connect={router}"))
         for _ in range(options.stops):
             time.sleep(chance.uniform(0.02, 0.06))
@@ -79,10 +72,9 @@ def main() -> None:
                 with contextlib.suppress(LinkError):
                     link.arm()
         time.sleep(0.5)
-        end.set()
-        sender.join(10.0)
+        writers.end()
         print(f"the bridge was stopped {options.stops} times, for up to {4e3 * options.ttl:.0f} ms")
-        judge(folder, [sender], options.ttl)
+        judge(folder, writers, options.ttl)
 
 
 if __name__ == "__main__":

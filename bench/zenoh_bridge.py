@@ -21,8 +21,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from fleet import free_port
-from processes import ROUTER, Processes
+from processes import Processes, free_port, router_program
 from zenoh_publishes import publishes
 
 from unitylink import connect
@@ -82,11 +81,10 @@ def main() -> None:
         file = Path(folder) / "fast.ul"
         file.write_text(SPEC)
         programs = Processes(stack)
-        programs.start("-c", ROUTER, router)
+        programs.start(*router_program(router))
         programs.start("-c", PEER, router, str(len(answer)))
-        board = json.loads(programs.start("-m", "unitylink", "simulate", str(file), "--tcp", "0", "--json"))[
-            "url"
-        ]
+        _, told = programs.start("-m", "unitylink", "simulate", str(file), "--tcp", "0", "--json")
+        board = json.loads(told)["url"]
         bridge = (
             "-m",
             "unitylink",

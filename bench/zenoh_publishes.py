@@ -24,8 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import zenoh
-from fleet import free_port
-from processes import ROUTER, Processes
+from processes import Processes, free_port, router_program
 
 from unitylink import connect
 from unitylink.spec import load
@@ -188,7 +187,7 @@ def main() -> None:
     router = f"tcp/127.0.0.1:{free_port()}"
     with ExitStack() as stack:
         programs = Processes(stack)
-        programs.start("-c", ROUTER, router)
+        programs.start(*router_program(router))
         publishes(router, programs, options.seconds, options.pairs)
     print(f"load of the machine {os.getloadavg()[0]:.1f}")
 
