@@ -48,19 +48,19 @@ def test_reset_at_every_clock_with_data_as_bytes(ghdl: Any, message: str) -> Non
     ghdl.run("reset_tb", message=as_bytes(MESSAGES[message]).hex(), datalink="none")
 
 
-# Frames that take more than one access, or leave something behind.
+# Frames that take more than one access, or leave something behind. The session has used the ids 0 to 3.
 WORDS = [(0x10 + n, 2) for n in range(4)]
 VALUES = [part for n in range(4) for part in ((0x20 + n, 2), (0x5A5A0000 + n, 4))]
 FRAMES = {
-    "write": ask(p.REQUEST_KIND_WRITE, (0, 2), (0x20, 2), (7, 4)),
+    "write": ask(p.REQUEST_KIND_WRITE, (4, 2), (0x20, 2), (7, 4)),
     "list": ask(
         p.REQUEST_KIND_LIST,
-        *((0, 2), (0, 1), (p.LIST_OPERATION_WRITE, 1), (4, 1), *VALUES),
+        *((4, 2), (0, 1), (p.LIST_OPERATION_WRITE, 1), (4, 1), *VALUES),
         *((p.LIST_OPERATION_READ, 1), (4, 1), *WORDS),
     ),
-    "publish": ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 2), (0, 1), (1, 4), (0, 1), (4, 1), *WORDS)
-    + ask(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (p.CONTROL_PUBLISH, 2), (1, 4)),
-    "dead-man": ask(p.REQUEST_KIND_WRITE_CONTROL, (0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1, 4)),
+    "publish": ask(p.REQUEST_KIND_DEFINE_GROUP, (4, 2), (0, 1), (1, 4), (0, 1), (4, 1), *WORDS)
+    + ask(p.REQUEST_KIND_WRITE_CONTROL, (5, 2), (p.CONTROL_PUBLISH, 2), (1, 4)),
+    "dead-man": ask(p.REQUEST_KIND_WRITE_CONTROL, (4, 2), (p.CONTROL_DEADMAN_TICKS, 2), (1, 4)),
 }
 TICK = {"fast": 500, "small": 3500}  # clocks between two strobes
 STEP = {"fast": 29, "small": 301}  # clocks between two moments of a reset
