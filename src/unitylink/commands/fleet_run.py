@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from unitylink.fleet.description import Fleet
     from unitylink.fleet.supervisor import Supervisor
 
+_LAST_LINES_S = 1.0  # how long the last lines may take
 fleet_argument = click.argument("file", metavar="FLEET.toml")
 as_option = click.option(
     "--as", "who", default="", metavar="NAME", help="Your name, if the network asks for it."
@@ -60,6 +61,7 @@ def run(file: str, *, check_config: bool, duration_s: float | None) -> None:
         return
     news = News()
     with stopped_by_signals() as stop, ExitStack() as stack:
+        stack.callback(news.finish, _LAST_LINES_S)
         supervisor = stack.enter_context(Supervisor(fleet, news.say, start_bridge))
         stack.callback(Control(fleet.file, partial(_update, supervisor)).close)
         where = fleet.connect or fleet.zenoh_config or fleet.router

@@ -21,6 +21,8 @@ from unitylink.fleet.reader import parse_fleet
 from unitylink.recording import Sample
 from unitylink.zenoh.far_options import read_far_url
 
+PATIENCE_S = 20.0
+
 
 def test_whoever_tells_goes_on_if_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
     def echo(_: str) -> None:
@@ -31,8 +33,29 @@ def test_whoever_tells_goes_on_if_nobody_reads(monkeypatch: pytest.MonkeyPatch) 
     news.check()
     news.say("arm1", "up")  # for example the thread that starts bridges again
     assert "arm1: up" in news.last[0]
+    news.finish(PATIENCE_S)
     with pytest.raises(BrokenPipeError):
         news.check()
+
+
+def test_whoever_tells_goes_on_if_a_reader_does_not_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    reads, printed = threading.Event(), list[str]()
+
+    def echo(line: str) -> None:
+        reads.wait()
+        printed.append(line)
+
+    monkeypatch.setattr(click, "echo", echo)
+    monkeypatch.setattr(fleet_table, "_WAITING_MOST", 3)
+    news = News()
+    teller = threading.Thread(target=lambda: [news.say("arm1", str(n)) for n in range(10)], daemon=True)
+    teller.start()
+    teller.join(PATIENCE_S)
+    assert not teller.is_alive() and not printed
+    reads.set()
+    news.finish(PATIENCE_S)
+    told = "\n".join(printed)
+    assert "older lines are left out" in told and told.endswith("arm1: 9") and len(printed) <= 4
 
 
 def test_a_folder_with_letters_that_mean_something_in_a_url(tmp_path: Path) -> None:
