@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "generate-vhdl.md"
 RIG = load(ROOT / "tests" / "ros" / "rig.ul")
 WIDE = """
+enum mode: u2 { off = 0; on = 2; }
 public wide() {
    @speed = 0x10: i40 READWRITE();
    @count = 0x20: u64 READ(PUBLISH(on limit));
@@ -28,6 +29,8 @@ public wide() {
    @write = 0x32: READ();
    @read = 0x33: READ(PUBLISH(10 Hz));
    @std_ulogic_vector = 0x34: f32 WRITE();
+   @mode_t = 0x35: mode WRITE();
+   @mode = 0x36: mode WRITE();
 }
 """  # from `address` on: names that the bench or the record could take for something else
 

@@ -11,7 +11,7 @@ from unitylink.spec.model import Element, Group, Instance, Member, Spec
 
 from ..quoting import Vhdl
 from .names import Names
-from .value_types import Declaration, FieldType, Part
+from .value_types import Declaration, FieldType, Part, type_names
 
 
 @dataclass(frozen=True)
@@ -80,11 +80,13 @@ class _Maker:
         self.type_of = type_of
         self.records: dict[tuple[str, tuple[tuple[str, Vhdl], ...]], str] = {}
         self.array_of = array_of
+        self.types: set[str] = set()  # names of types that no field may have
         self.arrays: dict[Vhdl, str] = {}
         self.declarations: list[Declaration] = []
 
     def tree(self, spec: Spec) -> Tree:
         top = self.names.claim(f"{spec.name}_{self.direction}_t")
+        self.types = type_names(element.type for _, element in spec.walk())
         items = self._items(spec.roots[0].members if len(spec.roots) == 1 else spec.roots)
         if not items:
             return Tree(Vhdl(""), (), ())
@@ -93,7 +95,7 @@ class _Maker:
         return Tree(Vhdl.of("{}", top), tuple(self.declarations), leaves)
 
     def _items(self, members: tuple[Member, ...]) -> list[_Item]:
-        scope = Names()
+        scope = Names(self.types)
         items: list[_Item] = []
         words = [member for member in members if not isinstance(member, Group)]
         for array, group in groupby(words, lambda member: member.array):

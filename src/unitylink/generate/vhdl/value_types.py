@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from unitylink.spec.model import Element
 from unitylink.spec.types import EnumType, ValueType
 
 from ..quoting import Vhdl
-from .names import Names
+from .names import Names, identifier
 
 SLOT = 32  # bits of each word in the ports of the design, whatever the width of the bus
 
@@ -110,7 +110,7 @@ class ValueTypes:
         return Vhdl.of("{}", name)
 
     def _packed(self, kind: ValueType) -> FieldType:
-        scope, parts, fields, constants = Names(), [], [], []
+        scope, parts, fields, constants = Names(type_names(f.type for f in kind.fields)), [], [], []
         name = self.names.claim(f"{kind.name}_t")
         for field in kind.fields:
             field_name = scope.claim(field.name)
@@ -128,6 +128,11 @@ class ValueTypes:
         self.declarations.append(Declaration((head, *fields, end)))
         self.declarations.append(Declaration(tuple(constants)))
         return FieldType(Vhdl.of("{}", name), tuple(parts))
+
+
+def type_names(kinds: Iterable[ValueType]) -> set[str]:
+    """Return the names of the VHDL types of these values: in a record, a field of that name would hide one."""
+    return {f"{identifier(kind.name)}_t" for kind in kinds if kind.name}
 
 
 def width_of(element: Element, data_bits: int) -> int:
