@@ -131,7 +131,7 @@ class ValueTypes:
 
 
 def type_names(kinds: Iterable[ValueType]) -> set[str]:
-    """Return the names of the VHDL types of these values: in a record, a field of that name would hide one."""
+    """Return the names of the VHDL types of these values. A field of such a name would hide its type."""
     return {f"{identifier(kind.name)}_t" for kind in kinds if kind.name}
 
 
