@@ -42,6 +42,10 @@ class Reader:
     def __init__(self) -> None:
         self.came = self.missing = self.begun_again = 0
         self.newest_s = 0.0  # when its newest publish was sampled
+        self.since_s, self.fresh_s = (
+            math.inf,
+            math.nan,
+        )  # when the first came that was sampled after `since_s`
         self.delays_ms: list[float] = []
         self._next: int | None = None
         self._lock = threading.Lock()
@@ -58,7 +62,14 @@ class Reader:
             self._next = sequence + 1
             self.came += 1
             self.newest_s = time_ns / 1e9
+            if self.newest_s > self.since_s:
+                self.since_s, self.fresh_s = math.inf, now_ns / 1e9
             self.delays_ms.append((now_ns - time_ns) / 1e6)
+
+    def expect(self, since_s: float) -> None:
+        """Note in `fresh_s` when something comes that was sampled after `since_s`."""
+        with self._lock:
+            self.since_s, self.fresh_s = since_s, math.nan
 
     def restart(self) -> None:
         """Count from here."""

@@ -24,7 +24,7 @@ from pathlib import Path
 import zenoh
 from fleet import UP_S, WORDS, Reader, measure, until
 from lab import PORT, Lab
-from partition import ORACLE, cut, executed, judge
+from partition import cut, executed, judge, oracle
 from processes import end_on_signals, router_program
 from writers import Writers
 
@@ -49,7 +49,7 @@ SLOW_RATE = "100kbit"
 
 
 def described(
-    folder: Path, robots: int, router: str, *, machines: int = 1, rate_hz: int = 100
+    folder: Path, robots: int, router: str, *, machines: int = 1, rate_hz: int = 100, look_s: float = 0.001
 ) -> tuple[Fleet, list[Fleet]]:
     """Write and read the description of all robots, and that of each machine. The router is elsewhere."""
     items = "".join(f"@v{n} = 0x{0x10 + n:X}: READ(PUBLISH({rate_hz} Hz)); " for n in range(WORDS - 1))
@@ -57,7 +57,7 @@ def described(
     (folder / "arm.ul").write_text(
         f"public arm() {{ {items}{count}@stamp = {STAMP:#x}: u32 WRITE(SAFE=0); }}\n"
     )
-    (folder / "oracle.py").write_text(ORACLE.replace("0x10", hex(STAMP)))
+    (folder / "oracle.py").write_text(oracle(STAMP, look_s))
 
     def fleet(name: str, numbers: Sequence[int]) -> Fleet:
         rows = "".join(
@@ -146,6 +146,9 @@ def main() -> None:
     parser.add_argument(
         "--set-points", type=float, default=50.0, metavar="HZ", help="to each robot (%(default)g)"
     )
+    parser.add_argument(
+        "--look", type=float, default=0.001, metavar="S", help="how often an oracle looks (%(default)g)"
+    )
     options = parser.parse_args()
     end_on_signals()
     with contextlib.ExitStack() as stack:
@@ -162,7 +165,12 @@ def main() -> None:
         if options.routers == 2:
             routers.append(lab.start("router2", *router_program(last, first))[0].pid)
         whole, fleets = described(
-            folder, options.robots, first, machines=options.machines, rate_hz=options.rate
+            folder,
+            options.robots,
+            first,
+            machines=options.machines,
+            rate_hz=options.rate,
+            look_s=options.look,
         )
         started_s = time.monotonic()
         supervisors = [
@@ -213,10 +221,14 @@ def main() -> None:
         measure(readers, options.rate, options.seconds, programs)
 
         def let(through: bool) -> None:
+            for one in readers.values() if through else ():
+                one.expect(time.monotonic())
             for name in machines:
                 lab.let(name, through)
 
-        cut(writers, let, options.cut)
+        whole_s = cut(writers, let, options.cut)
+        fresh_s = max(one.fresh_s for one in readers.values()) - whole_s
+        print(f"the reader of all publishes has fresh ones {fresh_s:.2f} s later")
         judge(folder, writers, TTL_S)
         again = sum(one.restarts or 0 for one in up(fleets))
         print(f"bridges were started again: {again}, of which this bench killed 1")

@@ -29,7 +29,7 @@ from unitylink.fleet.reader import read_fleet
 from unitylink.fleet.supervisor import Supervisor
 
 SPEC = "public arm() { @stamp = 0x10: u32 WRITE(SAFE=0); @count = 0x11: READ(PUBLISH(100 Hz)); }\n"
-ORACLE = '''
+_ORACLE = '''
 """Notes each value of `stamp`, when it saw it first, and when it was not there yet: one line each, in a file
 of this board."""
 import json
@@ -38,14 +38,14 @@ import time
 
 
 class Plant:
-    period_s = 0.005
+    period_s = PERIOD_S
 
     def attach(self, spec, registers):
         self._registers, self._last, self._looked_s = registers, 0, time.monotonic()
         self._file = open(f"{os.getpid()}.log", "w", buffering=1)
 
     def step(self, time_s):
-        value = int(self._registers[0x10])
+        value = int(self._registers[ADDRESS])
         now_s = time.monotonic()
         if value != self._last:
             self._last = value
@@ -55,6 +55,11 @@ class Plant:
 UP_S = 60.0
 BEFORE_S = 3.0  # how long all is well, before the cut and after it
 SILENT_S = 0.2  # what was on its way when it was cut
+
+
+def oracle(address: int = 0x10, period_s: float = 0.001) -> str:
+    """Return the text of the oracle. It looks at a word every `period_s`."""
+    return _ORACLE.replace("ADDRESS", hex(address)).replace("PERIOD_S", str(period_s))
 
 
 class Way:
@@ -100,7 +105,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder = Path(name)
         (folder / "arm.ul").write_text(SPEC)
-        (folder / "oracle.py").write_text(ORACLE)
+        (folder / "oracle.py").write_text(oracle())
         robots = "".join(
             f'[[robot]]\nname = "r{n}"\nlink = "sim:arm.ul?plant=oracle.py"\n' for n in range(options.robots)
         )
@@ -116,8 +121,11 @@ def main() -> None:
         judge(folder, writers, options.ttl)
 
 
-def cut(writers: Writers, let: Callable[[bool], None], cut_s: float) -> None:
-    """Cut the way to robots, and mend it, while `writers` send to them. `let` does both. Then end them."""
+def cut(writers: Writers, let: Callable[[bool], None], cut_s: float) -> float:
+    """Cut the way to robots, and mend it, while `writers` send to them. `let` does both. Then end them.
+
+    Return when it was mended.
+    """
     time.sleep(BEFORE_S)
     let(False)
     began_s = time.monotonic()
@@ -134,7 +142,8 @@ def cut(writers: Writers, let: Callable[[bool], None], cut_s: float) -> None:
     print(
         f"the way to {len(cut_off)} robots was cut for {cut_s:g} s; nothing came from {sum(cut_off)} of them"
     )
-    print(f"all have fresh values {fresh_s:.2f} s later")
+    print(f"all who send have fresh values {fresh_s:.2f} s later")
+    return whole_s
 
 
 def executed(folder: Path) -> list[tuple[float, int, float]]:
@@ -148,7 +157,9 @@ def judge(folder: Path, writers: Writers, ttl_s: float) -> None:
     sent_s = writers.sent_s
     seen = executed(folder)
     ages_s = sorted(
-        (at_s - sent_s[value], before_s - sent_s[value]) for at_s, value, before_s in seen if value >= APART
+        (at_s - sent_s[value][0], before_s - sent_s[value][1])
+        for at_s, value, before_s in seen
+        if value >= APART
     )
     safe = sum(not value for _, value, _ in seen)
     print(

@@ -24,7 +24,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from partition import BEFORE_S, ORACLE, SPEC, judge
+from partition import BEFORE_S, SPEC, judge, oracle
 from processes import Processes, end_on_signals, free_port
 from writers import Writers
 
@@ -49,7 +49,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         (folder / "arm.ul").write_text(SPEC)
-        (folder / "oracle.py").write_text(ORACLE)
+        (folder / "oracle.py").write_text(oracle())
         stack.callback(os.chdir, os.getcwd())
         os.chdir(folder)
         programs = Processes(stack)

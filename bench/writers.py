@@ -30,6 +30,7 @@ from unitylink.zenoh.link import ZenohLink
 APART = 1_000_000  # between the set-points of two robots, so that each is known by its value
 BACK_S = 120.0  # how long robots have to be heard again
 EACH = 8  # robots of one process
+Sent = dict[int, tuple[float, float]]  # of each value, moments before and after it was sent
 Heard = list[tuple[float, float]]  # when a publish came, and when it was sampled
 
 
@@ -37,7 +38,7 @@ class Writer:
     """Sends set-points to one robot, and notes when each was sent, and what came from the robot."""
 
     def __init__(self, url: str, first: int, ttl_s: float, heard_hz: float) -> None:
-        self.sent_s: dict[int, float] = {}
+        self.sent_s: Sent = {}
         self.heard: Heard = []
         self.newest_s = 0.0  # when the newest of what came was sampled
         self._next = first
@@ -51,9 +52,10 @@ class Writer:
     def send(self) -> None:
         """Send the next one. While the robot is away, there is nobody to whom it could go."""
         self._next += 1
-        self.sent_s[self._next] = time.monotonic()
+        before_s = time.monotonic()
         with contextlib.suppress(LinkError):
             self._goals.send(self._next)
+        self.sent_s[self._next] = before_s, time.monotonic()
 
     def _hear(self, time_s: float, words: object) -> None:
         self.heard.append((time.monotonic(), time_s))
@@ -92,7 +94,7 @@ class Writers:
         ]
         for one in self._all:
             first_line(one)
-        self.sent_s: dict[int, float] = {}
+        self.sent_s: Sent = {}
         self.heard: dict[str, Heard] = {}
 
     @property
@@ -117,7 +119,7 @@ class Writers:
             one.stdin.close()
         for one in self._all:
             told = json.loads(first_line(one))
-            self.sent_s |= {int(value): at_s for value, at_s in told["sent_s"].items()}
+            self.sent_s |= {int(value): (at_s[0], at_s[1]) for value, at_s in told["sent_s"].items()}
             self.heard |= told["heard"]
             one.wait()
 
