@@ -171,7 +171,7 @@ def _spec(entry: dict[str, Any], head: dict[str, Any], link: str, place: str, fi
     spec: str = own or entry.get("spec", head.get("spec", ""))
     if not spec:
         raise FleetError(f'{place}: it has no spec; add spec = "arm.ul" here or below [fleet]')
-    if not (folder / spec).is_file():
+    if not os.path.isfile(folder / spec):  # Path.is_file raises an error if the name is too long
         raise FleetError(
             f"{place}: there is no spec {spec} in {folder}; paths begin where the fleet's file is"
         )
@@ -236,8 +236,9 @@ def _check(data: dict[str, Any], words: dict[str, tuple[type, str]], place: str)
     _known(data, words, place)
     for word, value in data.items():
         kind, what = words[word]
-        texts = not isinstance(value, list) or all(isinstance(one, str) and one for one in value)
-        if type(value) is not kind or value == "" or not texts:
+        inside = value if isinstance(value, list) else [value] if isinstance(value, str) else []
+        texts = all(isinstance(one, str) and one and one.isprintable() for one in inside)
+        if type(value) is not kind or not texts:
             raise FleetError(f"{place}: {word} = {value!r}; expected {what}")
 
 

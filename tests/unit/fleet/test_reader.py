@@ -64,6 +64,8 @@ def test_a_robot_has_what_the_fleet_has_unless_it_says_otherwise(file: Path) -> 
         ('link = "tcp://10.0.0.1:5555"\n', "", "robot 1 (arm1): it has no link; add for example"),
         ('spec = "arm.ul"\n', "", 'robot 1 (arm1): it has no spec; add spec = "arm.ul"'),
         ('spec = "arm.ul"', 'spec = "amr.ul"', "robot 1 (arm1): there is no spec amr.ul in "),
+        ('spec = "arm.ul"', f'spec = "{"x" * 300}"', "robot 1 (arm1): there is no spec xxx"),
+        ('name = "lab"', 'audit = "a\\u0000b"', "[fleet]: audit = 'a\\x00b'; expected a folder"),
         ("sim:arm.ul", "sim:amr.ul", "robot 2 (arm2): there is no spec amr.ul in "),
         ('key = "hall/left"', 'spec = "x.ul"', "a sim: link brings its own spec; leave spec = 'x.ul' out"),
         ("tcp://10.0.0.1:5555", "tpc://10.0.0.1:5555", "robot 1 (arm1): "),
