@@ -64,6 +64,7 @@ class FarBridge:
         self.bridge, self.visit = "", 0
         self.generation = 0
         self.trouble, self.closed = "", False
+        self._ended = False  # by itself
         self.counts = dict.fromkeys(("requests", "replies", "retries", "timeouts"), 0)
         self._changed = changed
         self._lock = threading.Lock()  # guards the requests that are open, and the greeting
@@ -89,18 +90,17 @@ class FarBridge:
     def close(self, why: str = "the link is closed") -> None:
         """Say goodbye, so that the outputs keep their values, and close the session."""
         with self._look:
-            if self.closed:
-                return
-            self.closed = True
+            over, self.closed = self.closed, True
             self._look.notify_all()
-        if not self.trouble:
+        if not (over or self.trouble):
             with contextlib.suppress(UnityLinkError):
                 self._ask(LEAVE, attempts=1)
         self.trouble = self.trouble or why
         if threading.current_thread() is not self._keeper:
             self._keeper.join()
-        with contextlib.suppress(Exception):
-            self.session.close()
+        if not over:  # else the keeper has closed it, or it belongs to the parent of this process
+            with contextlib.suppress(Exception):
+                self.session.close()
 
     def check(self) -> None:
         """Raises LinkClosed after the end, and LinkDown while the board is gone."""
@@ -377,7 +377,7 @@ class FarBridge:
     def _keep(self) -> None:
         """Follow the tokens of boards, and the clock of the bridge."""
         greeted = True
-        while not self.closed:
+        while not self.closed and threading.main_thread().is_alive():
             with self._look:
                 boards, self._doubt = set(self._boards), False
                 greeted, self._half = greeted and not self._half, False
@@ -402,6 +402,16 @@ class FarBridge:
             with self._look:
                 if boards == self._boards and not (self.closed or self._doubt or self._half):
                     self._look.wait(_CLOCK_S if greeted else _PAUSE_S * 5)
+        if not self.closed:
+            self._end("the program has ended")
+        if self._ended:  # nobody else closes the session, whose threads let no program end
+            with contextlib.suppress(Exception):
+                self.session.close()
+
+    def _end(self, why: str) -> None:
+        """The link is over, though nobody has closed it. The keeper calls this."""
+        self.closed = self._ended = True
+        self._changed("ended", why)
 
     def _greet_again(self, why: str) -> bool:
         self._tell(why)
@@ -409,8 +419,7 @@ class FarBridge:
             self._greet()
         except DeviceMismatch as error:
             self._tell(str(error))
-            self.closed = True
-            self._changed("ended", str(error))
+            self._end(str(error))
             return False
         except UnityLinkError as error:
             self._tell(str(error))
@@ -424,8 +433,7 @@ class FarBridge:
         if bool(before) == bool(trouble):
             return
         if trouble and not self.options.reconnect:
-            self.closed = True
-            self._changed("ended", trouble)
+            self._end(trouble)
         else:
             self._changed("lost" if trouble else "back", trouble or "the board is back")
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from unit.zenoh.rig import ANGLE, GOAL, HITS, Gap, Rig, rigged, until
+from unit.zenoh.rig import ANGLE, GOAL, HITS, STAMP, Gap, Rig, rigged, until
 
 from unitylink import connect
 from unitylink.errors import LinkTimeout, OutcomeUnknown
@@ -65,6 +65,26 @@ def test_what_is_held_up_in_the_bridge_is_not_written_late(
     assert rig.board.registers[GOAL] == 500
     held_s[0] = 0.0
     until(lambda: goals.send(0.9) or rig.board.registers[GOAL] == 900)
+
+
+def test_what_is_written_while_its_lease_is_lost_is_made_safe_again(
+    link: ZenohLink, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The SAFE values go to the board beside a write that is under way, so they may be first."""
+    executor, guests = rig.bridge._executor, rig.bridge._guests
+    group = executor._group
+    stamp = link.set_points("stamp", ttl_s=5.0)
+    until(lambda: stamp.send(5) or rig.board.registers[STAMP] == 5)
+
+    def lost_meanwhile(*what: Any) -> Any:
+        (visit,) = (one for one in guests.visits.all() if one.number == link._far.bridge.visit)
+        guests._gone(visit, "of the test")
+        until(lambda: rig.board.registers[STAMP] == 0)
+        return group(*what)
+
+    monkeypatch.setattr(executor, "_group", lost_meanwhile)
+    stamp.send(7)
+    until(lambda: [value for _, value in rig.oracle.seen][-2:] == [7, 0])
 
 
 def test_a_write_whose_way_is_lost_after_it_has_arrived_is_not_told_as_not_sent(rig: Rig) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +13,7 @@ import pytest
 from unit.zenoh.rig import ANGLE, STAMP, Rig, rigged, until
 
 from unitylink import connect
-from unitylink.errors import LinkDown, ProtocolError
+from unitylink.errors import DeviceMismatch, LinkClosed, LinkDown, ProtocolError
 from unitylink.zenoh import far_bridge
 from unitylink.zenoh.far_bridge import FarBridge
 from unitylink.zenoh.link import ZenohLink
@@ -36,6 +38,36 @@ def test_a_client_that_the_bridge_has_lost_says_hello_again(rig: Rig) -> None:
         rig.bridge._guests.leave(visit)
         until(lambda: rig.bridge.state()["clients"])  # also without a request
         until(lambda: link.statistics().reconnections == 2)
+
+
+def test_a_robot_with_another_spec_than_the_client_knows_is_refused(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The addresses that the client has would be those of other items."""
+    with pytest.raises(DeviceMismatch, match=f"has the spec {rig.bridge.hash}; in the URL it was {'0' * 16}"):
+        connect(rig.url(f"&spec_hash={'0' * 16}"))
+    connect(rig.url(f"&spec_hash={rig.bridge.hash}")).close()
+    other, any_spec = connect(rig.url()), connect(rig.url("&spec_hash=any"))
+    with other, any_spec:
+        monkeypatch.setattr(rig.bridge._guests, "_hash", "0" * 16)  # the bridge is back with a new spec
+        for visit in rig.bridge._guests.visits.all():
+            rig.bridge._guests.leave(visit)
+        until(lambda: other.closed)
+        with pytest.raises(LinkClosed, match=f"has the spec {'0' * 16}; before it was {rig.bridge.hash}"):
+            other.write(STAMP, 1)
+        assert isinstance(other, ZenohLink)
+        until(other._far.bridge.session.is_closed)  # its threads would let no program end
+        until(lambda: any_spec.statistics().reconnections)
+        assert any_spec.read(ANGLE) == 250
+
+
+def test_a_program_that_closes_no_link_ends_all_the_same(rig: Rig) -> None:
+    """For example because of an error. Its lease ends with it, so its outputs become safe."""
+    program = f"from unitylink import connect; link = connect({rig.url()!r}); link.write({STAMP}, 7); link.no"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=60, check=False)
+    assert done.returncode == 1 and done.stderr.strip().endswith(b"has no attribute 'no'")
+    assert 7 in {value for _, value in rig.oracle.seen}
+    until(lambda: rig.board.registers[STAMP] == 0)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "[" * 100_000])
