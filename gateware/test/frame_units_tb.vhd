@@ -253,6 +253,10 @@ begin
     tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus & denied_write, "1100", "refused, by a slave");
+    pulse(clock, hold);
+    pulse(clock, reads);
+    pulse(clock, reset);
+    check_equal(bii_request.valid & bii_request.block_hold, "00", "a reset ends the access and the hold");
 
     -- frame_dispatcher
     wait for 1 ns;

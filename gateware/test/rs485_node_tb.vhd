@@ -195,6 +195,16 @@ begin
     hear(x"00");
     check_equal(core_bytes, 6, "a frame of another node");
 
+    -- A token with an error may have selected another node. So the next frame is not for this one.
+    token(select_us);
+    hear(x"06");
+    hear(token_check(x"06"), "010");
+    hear(x"00");
+    check_equal(core_bytes, 7, "the border");
+    hear(x"80");
+    hear(x"00");
+    check_equal(core_bytes, 7, "a frame behind a token with an error");
+
     for flip in 0 to 15 loop
       token(poll_us, flip);
       hear(x"00");
@@ -202,7 +212,7 @@ begin
     end loop;
     token(x"44");
     silent_for_a_while("a poll of another node");
-    check_equal(core_bytes, 6, "tokens are not for the core");
+    check_equal(core_bytes, 7, "tokens are not for the core");
 
     check_turn(0);
     has <= 5;
