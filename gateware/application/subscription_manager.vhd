@@ -43,7 +43,7 @@ end entity;
 
 architecture rtl of subscription_manager is
 
-  constant period     : positive := clock_hz / base_hz;
+  constant period     : positive := maximum(1, clock_hz / base_hz);
   constant rate_bits  : positive := 8 * rate_bytes;
   constant group_bits : positive := bits_for(groups);
   constant place_bits : positive := bits_for(1 + group_size + 2 * rate_bytes);

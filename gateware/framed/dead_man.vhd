@@ -56,7 +56,7 @@ end entity;
 
 architecture rtl of dead_man is
 
-  constant period : positive := clock_hz / base_hz;
+  constant period : positive := maximum(1, clock_hz / base_hz);
   constant count  : natural  := safe_values'length;
 
   -- Time.
@@ -76,6 +76,9 @@ architecture rtl of dead_man is
   signal refuses   : std_ulogic;
 
 begin
+
+  assert base_hz <= clock_hz
+    report "dead_man: base_hz is " & integer'image(base_hz) & ", above clock_hz; lower base_hz" severity failure;
 
   tripped  <= has_tripped;
   response <= (running => running, tripped => has_tripped, tripped_now => tripped_now, uncounted => uncounted);

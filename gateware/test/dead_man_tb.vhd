@@ -15,8 +15,9 @@ use work.frame_layout_pkg.all;
 
 entity dead_man_tb is
   generic (
-    count : positive := 3;   -- safe values
-    seed  : positive := 1
+    count   : positive := 3;  -- safe values
+    base_hz : positive := 1;  -- at a clock of 20 Hz; other values are to be refused
+    seed    : positive := 1
   );
 end entity;
 
@@ -62,7 +63,7 @@ begin
   clock <= not clock after 5 ns when not ended;
 
   dut : entity work.dead_man
-    generic map (address_width => 8, data_width => 16, clock_hz => period, base_hz => 1, safe_values => values)
+    generic map (address_width => 8, data_width => 16, clock_hz => period, base_hz => base_hz, safe_values => values)
     port map (
       clock => clock, reset => reset, request => request, response => state, tripped => tripped,
       asked => asked, answered => answered, bii_request => bii_request, bii_response => bii_response);

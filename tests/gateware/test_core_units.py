@@ -90,3 +90,4 @@ def test_generics_that_may_not_be(ghdl: Any) -> None:
     ghdl.refuse("datalink_tb", "datalink must be full, lite or none", datalink="light")
     ghdl.refuse("receiver_tb", "checksum must be crc8, xor or none", checksum="crc16")
     ghdl.refuse("subscription_manager_tb", "lower base_hz", groups=16, period=12)
+    ghdl.refuse("dead_man_tb", "base_hz is 21, above clock_hz", base_hz=21)
