@@ -135,7 +135,7 @@ class Follower:
             measured = [self._measured[name] for name in names]
             errors = [b - a for a, b in zip(measured, wanted, strict=True)]
             for name, error, most in zip(names, errors, path, strict=True):
-                if 0 < most < abs(error):
+                if most > 0 and not abs(error) <= most:  # nor NaN
                     raise Refused(-4, f"{name} is {error:+.3f} from its path")
             if time_s - told_s >= FEEDBACK_S:
                 told_s = time_s
@@ -144,7 +144,7 @@ class Follower:
                 off = [
                     f"{name} is {error:+.3f} from its goal"
                     for name, error, most in zip(names, errors, last, strict=True)
-                    if 0 < most < abs(error)
+                    if most > 0 and not abs(error) <= most
                 ]
                 if not off:
                     return True

@@ -27,6 +27,8 @@ class Trajectory:
     def __init__(self, start: Sequence[float], points: Sequence[Point]) -> None:
         if not points:
             raise ValueError("a trajectory without points")
+        if not all(map(math.isfinite, start)):
+            raise ValueError(f"a joint is at {list(start)}: it has no known position to start from")
         before = 0.0
         for number, point in enumerate(points):
             if point.time_s < before or (point.time_s == before and number > 0):

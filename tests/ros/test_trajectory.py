@@ -53,3 +53,9 @@ def test_with_velocities_the_speed_has_no_jump() -> None:
 def test_what_no_robot_can_follow_is_refused(points: list[Any], why: str) -> None:
     with pytest.raises(ValueError, match=why):
         Trajectory([0.0], points)
+
+
+def test_who_does_not_know_where_a_joint_is_does_not_move_it() -> None:
+    """Between NaN and a goal there is nothing to command, and then the goal would come as a jump."""
+    with pytest.raises(ValueError, match="no known position"):
+        Trajectory([0.0, math.nan], [Point(1.0, (1.0, 1.0))])
