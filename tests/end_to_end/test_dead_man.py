@@ -18,6 +18,11 @@ import pytest
 from unitylink import Link
 from unitylink.errors import DeadManTripped, DeviceMismatch
 from unitylink.layer4_data import load_spec_objects
+from unitylink.server.audit import Audit
+from unitylink.server.gate import Gate
+from unitylink.server.scopes import Rights
+from unitylink.server.stop_switch import DEAD_MAN, StopSwitch, now
+from unitylink.server.tokens import Tokens, User, digest
 from unitylink.simulate import Board, BoardConfiguration
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import load
@@ -25,6 +30,7 @@ from unitylink.spec import load
 SERVO = Path(__file__).resolve().parents[2] / "examples" / "servo" / "servo.ul"
 LAMP = 0x22
 PATIENCE_S = 60
+OWNER = Tokens([(digest("owner"), User("owner", Rights.of(["admin"])))])
 
 pytestmark = pytest.mark.xdist_group("rtl")
 
@@ -135,6 +141,29 @@ def test_a_new_link_alone_does_not_end_it(board: Board, cable: Cable) -> None:
         state = link.dead_man()
         assert state is not None and state.running and state.silence_s == pytest.approx(0.25, abs=0.01)
         link.write(LAMP, 1)
+
+
+def test_a_stop_is_found_by_the_next_program(board: Board) -> None:
+    """And `arm` starts the dead-man with the time that it had."""
+    url = f"{board.url}?timeout=2&deadman=30"
+    with Link(url) as link:
+        link.write(LAMP, 1)
+        link.trip()
+        assert board.registers[LAMP] == 0
+    with Link(url) as link:
+        switch = StopSwitch(Gate("servo", load(SERVO).roots[0], OWNER, Audit(lambda line: None)))
+        owner = switch.gate.login("owner", "here", now())
+        switch.attach([link], lambda: None)
+        assert switch.gate.stopped_by == DEAD_MAN
+        with pytest.raises(DeadManTripped):
+            link.write(LAMP, 1)
+        for _ in range(2):
+            switch.arm(owner)
+            state = link.dead_man()
+            assert state is not None and state.running and state.silence_s == pytest.approx(30, abs=0.01)
+            link.write(LAMP, 1)
+            switch.stop(owner)
+            assert board.registers[LAMP] == 0
 
 
 def test_where_there_is_none_it_is_said() -> None:
