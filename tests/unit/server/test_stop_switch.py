@@ -83,7 +83,7 @@ def test_arm_starts_all_dead_men_with_their_earlier_times() -> None:
             for _ in range(2):  # a stop that follows a stop is one, too
                 one.robot.switch.stop(enter(one))
                 one.robot.switch.stop(enter(one))
-                assert limit_s(link) == 0 and link.dead_man().tripped
+                assert limit_s(link) == 0 and link.dead_man().tripped and limit_s(program) == 0
                 one.robot.switch.arm(enter(one))
                 assert limit_s(link) == pytest.approx(20, abs=0.01) and limit_s(program) == pytest.approx(
                     20, abs=0.01
@@ -131,6 +131,18 @@ def test_a_stop_while_the_board_is_away_is_done_when_it_is_back() -> None:
             with one.link() as ana:
                 ana.write(TARGET, 72)
             assert again.registers[TARGET] == 72
+
+
+def test_a_board_that_was_reset_while_it_was_stopped_is_stopped_again() -> None:
+    with a_board() as board, server_of(board) as one:
+        port = board.url.rpartition(":")[2]
+        one.robot.switch.stop(enter(one))
+        board.close()
+        until(lambda: one.robot.away)
+        with Board(arm(), endpoint=f"tcp:{port}") as again:
+            again.registers[TARGET] = 70  # what it does at power-up
+            until(lambda: again.registers[TARGET] == 0)
+            until(lambda: one.robot.board_link().dead_man().tripped)
 
 
 def test_a_stop_without_any_link_is_remembered() -> None:
