@@ -99,7 +99,8 @@ def test_in_a_fleet(board: Board, spec: Path, tmp_path: Path) -> None:
     def reports() -> list[Any]:
         return list(look_at(fleet)[1])
 
-    with program("fleet", file), ExitStack() as stack:
+    with program("fleet", file) as (_, lines), ExitStack() as stack:
+        assert "2 robots of lab on Zenoh" in next(lines)  # its router is there
         before = until(lambda: (told := reports()) and all(one.reachable for one in told) and told)
         for url in urls.values():
             link, robot = robot_at(stack, url)

@@ -12,7 +12,7 @@ import pytest
 from unit.zenoh.rig import ANGLE, GOAL, HITS, STAMP, Gap, Rig, rigged, until
 
 from unitylink import connect
-from unitylink.errors import LinkTimeout, OutcomeUnknown
+from unitylink.errors import AccessRefused, LinkDown, LinkTimeout, OutcomeUnknown
 from unitylink.layer2_message import sent_before
 from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.messages import SUBSCRIBE
@@ -126,3 +126,20 @@ def test_a_subscription_whose_answer_is_lost_comes_back(
     rows.clear()
     until(lambda: rows)
     subscription.close()
+
+
+def test_a_stop_while_the_board_is_away(rig: Rig, link: ZenohLink) -> None:
+    """It is an error, and holds: the board that comes is made safe, and nobody writes before `arm`."""
+    rig.board.close()
+    until(lambda: not link.up)
+    with pytest.raises(LinkDown):
+        link.trip()
+    board = rig.new_board()
+    board.registers[GOAL] = 700  # what it does at power-up
+    until(lambda: board.registers[GOAL] == 0)
+    assert link.wait_up(10)
+    with pytest.raises(AccessRefused, match=r"zenoh has stopped the robot; .*link\.arm\(\)"):
+        link.write(GOAL, 1)
+    link.arm()
+    link.write(GOAL, 2)
+    assert board.registers[GOAL] == 2

@@ -390,24 +390,6 @@ def test_a_board_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     until(lambda: rows)
 
 
-def test_a_stop_while_the_board_is_away(stack: ExitStack, rig: Rig) -> None:
-    """It is an error, and holds: the board that comes is made safe, and nobody writes before `arm`."""
-    link = opened(stack, rig)
-    rig.board.close()
-    until(lambda: not link.up)
-    with pytest.raises(LinkDown):
-        link.trip()
-    board = rig.new_board()
-    board.registers[GOAL] = 700  # what it does at power-up
-    until(lambda: board.registers[GOAL] == 0)
-    assert link.wait_up(10)
-    with pytest.raises(AccessRefused, match=r"zenoh has stopped the robot; .*link\.arm\(\)"):
-        link.write(GOAL, 1)
-    link.arm()
-    link.write(GOAL, 2)
-    assert board.registers[GOAL] == 2
-
-
 def test_a_bridge_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     """It is the router, too. Nothing that was meant for the old one is executed by the new one."""
     link = opened(stack, rig, "&timeout=0.2")
