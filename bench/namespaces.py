@@ -91,7 +91,11 @@ def reading(session: zenoh.Session, fleet: Fleet, rate_hz: int) -> Iterator[dict
         )
         for key, one in readers.items()
     ]
-    until(lambda: all(one.came for one in readers.values()), UP_S)
+    try:
+        until(lambda: all(one.came for one in readers.values()), UP_S)
+    except SystemExit as late:
+        silent = ", ".join(key for key, one in readers.items() if not one.came)
+        raise SystemExit(f"{late}: {silent}") from None
     yield readers
     for one in subscribers:
         one.undeclare()
