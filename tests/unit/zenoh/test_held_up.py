@@ -6,9 +6,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import zenoh
 from unit.zenoh.rig import ANGLE, GOAL, HITS, STAMP, Gap, Rig, rigged, until
 
 from unitylink import connect
@@ -80,7 +82,14 @@ def test_what_is_written_while_its_lease_is_lost_is_made_safe_again(
         (visit,) = (one for one in guests.visits.all() if one.number == link._far.bridge.visit)
         guests._gone(visit, "of the test")
         until(lambda: rig.board.registers[STAMP] == 0)
-        return group(*what)
+        return SimpleNamespace(write=seen_at_the_board(group(*what).write))
+
+    def seen_at_the_board(write: Any) -> Any:
+        def write_and_wait(*what: Any, **how: Any) -> None:
+            write(*what, **how)
+            until(lambda: rig.oracle.seen[-1][1] == 7)
+
+        return write_and_wait
 
     monkeypatch.setattr(executor, "_group", lost_meanwhile)
     stamp.send(7)
@@ -126,6 +135,25 @@ def test_a_subscription_whose_answer_is_lost_comes_back(
     rows.clear()
     until(lambda: rows)
     subscription.close()
+
+
+def test_a_stop_goes_before_all_else(link: ZenohLink, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: dict[str, tuple[Any, bool]] = {}
+    bridge = link._far.bridge
+    real = bridge.session
+
+    class Session:
+        def get(self, key: str, **how: Any) -> Any:
+            sent[key.rpartition("/")[2]] = how["priority"], how["express"]
+            return real.get(key, **how)
+
+    monkeypatch.setattr(bridge, "session", Session())
+    link.trip()
+    stop = sent.pop("stop")
+    assert link.read(GOAL) == 0
+    monkeypatch.undo()
+    assert stop == (zenoh.Priority.REAL_TIME, True)
+    assert sent and all(priority != zenoh.Priority.REAL_TIME for priority, _ in sent.values())
 
 
 def test_a_stop_while_the_board_is_away(rig: Rig, link: ZenohLink) -> None:
