@@ -97,7 +97,7 @@ nb::list wait_news(BoardServer& server, double timeout_s) {
   constexpr const char* kinds[] = {"asks", "left", "gone", "silent", "arms"};
   nb::list result;
   for (const News& news : told) {
-    result.append(nb::make_tuple(news.client, kinds[static_cast<std::size_t>(news.kind)], news.address));
+    result.append(nb::make_tuple(news.client, kinds[static_cast<std::size_t>(news.kind)], news.address, news.at_ns));
   }
   return result;
 }

@@ -88,7 +88,8 @@ void BoardServer::tell_of(const Session& session, News::Kind kind, std::uint32_t
   }
 }
 
-void BoardServer::tell(const News& news) {
+void BoardServer::tell(News news) {
+  news.at_ns = real_ns();
   news_.push_back(news);
   told_.notify_one();
 }

@@ -58,6 +58,7 @@ struct News {
   std::uint64_t client = 0;
   Kind kind = Kind::asks;
   std::uint32_t address = 0;
+  std::uint64_t at_ns = 0;  // when it was told, by real_ns()
 };
 
 class BoardServer final : public Host {
@@ -120,7 +121,7 @@ class BoardServer final : public Host {
   [[nodiscard]] Outcome ordered(Order order);
   void obey(bool ending);
   [[nodiscard]] Outcome arm_board(const RequestOptions& how);
-  void tell(const News& news);
+  void tell(News news);
   void tell_of(const Session& session, News::Kind kind, std::uint32_t address);
   void receive(Client& client);
   void send(Client& client);

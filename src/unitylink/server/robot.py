@@ -209,15 +209,15 @@ class Robot:
                     self._let_go()
                     self._away = str(error)
                     continue
-            for number, kind, _ in news:
+            for number, kind, _, at_ns in news:
                 if kind == "arms":
-                    self._arm(server, number)
+                    self._arm(server, number, at_ns)
             with suppress(UnityLinkError):  # it is tried again
                 self.switch.keep()
 
-    def _take(self, server: BoardServer, news: list[tuple[int, str, int]]) -> None:
+    def _take(self, server: BoardServer, news: list[tuple[int, str, int, int]]) -> None:
         """Act on what clients did. Hold the lock."""
-        for number, kind, address in news:
+        for number, kind, address, _ in news:
             if kind == "asks":
                 self._decide(server, number, address)
             elif kind in ("left", "gone"):
@@ -274,14 +274,14 @@ class Robot:
         if client is not None:
             self.gate.logout(client, now()) if in_order else self.gate.gone(client, now())
 
-    def _arm(self, server: BoardServer, number: int) -> None:
+    def _arm(self, server: BoardServer, number: int, asked_ns: int) -> None:
         """A client wants that writes are allowed again. Do not hold the lock: a stop must not wait for it."""
         with self._lock:
             client = self._clients.get(number)
         if client is None:
             return
         try:
-            self.switch.arm(client)
+            self.switch.arm(client, asked_ns)
             answer = REPLY_STATUS_OK
         except UnityLinkError as error:  # the client can only be told that the outputs are being made safe
             answer = SERVE_LEASE_HELD

@@ -37,7 +37,7 @@ class StopSwitch:
     cannot reach the board is done when it can (`keep`). `arm` lets the dead-man run again as before.
 
     `memory` is a file that remembers a stop, too: for boards that have no dead-man, or lose their power.
-    `changed` is called after each stop, with the lock held. Hold `board` while a request is under way.
+    `changed` is called when a stop begins, with the lock held. Hold `board` while a request is under way.
     """
 
     def __init__(
@@ -48,6 +48,7 @@ class StopSwitch:
         self._memory, self._changed = memory, changed
         self._orders = threading.Lock()  # held while a stop, or an arm, is at the board
         self._begun = self._over = 0  # stops that have begun, and that have reached the board or failed
+        self._over_ns = 0  # when the last one did, by time.monotonic_ns
         self._due = False  # a stop has not reached the board
         self._links: tuple[Link, ...] = ()
         self._seen: tuple[int, ...] = ()  # the generations of the links, when the board was stopped
@@ -87,47 +88,64 @@ class StopSwitch:
             self._begun += 1
             self._due = True
         try:
+            with self.lock:
+                self._changed()  # so the SAFE values are not followed by what others write
             self._make_safe_at_once()
             self._stop_board()
         finally:
             with self.lock:
                 self._over += 1
-                self._changed()
+                self._over_ns = time.monotonic_ns()
 
-    def arm(self, client: Client) -> None:
+    def arm(self, client: Client, asked_ns: int | None = None) -> None:
         """Allow writes again, after a stop or after the board's dead-man has tripped.
 
-        A stop that is under way, or begins meanwhile, wins. Raises AccessRefused then, or if the user may not
-        arm, and a LinkError if the board did not answer. Then the robot stays stopped.
+        `asked_ns` is when it was asked for, by `time.monotonic_ns`; without it, that is now. A stop that is
+        under way then, or comes later, wins: who asked for this did not know of it. Raises AccessRefused
+        then, or if the user may not arm, and a LinkError if the board did not answer. Then the robot stays
+        stopped.
         """
         with self.lock:
             self.gate.check_arm(client, now())
             stops = self._over
             self._check_no_stop(stops)
+            if asked_ns is not None and asked_ns < self._over_ns:
+                raise AccessRefused(
+                    "the robot was stopped after this was asked for; if it may move, arm it again"
+                )
         with self._orders:
             with self.lock:
                 self._check_no_stop(stops)
             if not self._links:
                 raise LinkDown(f"the board of {self.gate.name} is away; arm it when it is back")
-            for link in self._links:
-                if _is_served(link) or _has_dead_man(link):
-                    link.arm()
-            self._forget()
-            with self.lock:
-                self._check_no_stop(stops)
-                self.gate.armed(client, now())
-                self._due = False
+            self._forget()  # before the board may move
+            try:
+                if self._wanted():
+                    self._reach_board()  # else it would move on, although it was stopped
+                for link in self._links:
+                    if _is_served(link) or _has_dead_man(link):
+                        link.arm()
+                with self.lock:
+                    self._check_no_stop(stops)
+                    self.gate.armed(client, now())
+                    self._due = False
+            finally:
+                if who := self.gate.stopped_by:  # perhaps the board was armed: `keep` stops it
+                    self._due = True
+                    self._remember(who)
 
     def keep(self) -> None:
         """Do a stop that has not reached the board, or that the board has lost. Raises LinkError.
 
         Call it often.
         """
-        lost = self._seen != self._generations() and not any(map(_is_served, self._links))
-        with self.lock:
-            stopped = bool(self.gate.stopped_by)
-        if stopped and self._links and (self._due or lost):
+        if self._links and self._wanted():
             self._stop_board()
+
+    def _wanted(self) -> bool:
+        """Whether the robot is stopped, and the board does not know it."""
+        lost = self._seen != self._generations() and not any(map(_is_served, self._links))
+        return bool(self.gate.stopped_by) and (self._due or lost)
 
     def _check_no_stop(self, known: int) -> None:
         if self._begun != known:
@@ -146,19 +164,29 @@ class StopSwitch:
                 if not (who := self.gate.stopped_by):
                     return  # somebody has armed it meanwhile
             try:
-                if not self._links:
-                    raise LinkDown(
-                        f"the board of {self.gate.name} is away; nobody writes before somebody arms it, and "
-                        "its outputs are made safe when it is back"
-                    )
-                seen = self._generations()
-                tripped = [_trip(link) for link in self._links]
-                if not all(tripped):
-                    with self.board, suppress(DeadManTripped):
-                        self._write_safe()
-                self._seen, self._due = seen, False
+                self._reach_board()
             finally:
                 self._remember(who)
+
+    def _reach_board(self) -> None:
+        """Trip all dead-men, whatever becomes of one of them. Hold `_orders`."""
+        if not (links := self._links):
+            raise LinkDown(
+                f"the board of {self.gate.name} is away; nobody writes before somebody arms it, and "
+                "its outputs are made safe when it is back"
+            )
+        seen, complete, failed = self._generations(), True, None
+        for link in links:
+            try:
+                complete = _trip(link) and complete
+            except UnityLinkError as error:
+                failed = failed or error
+        if not complete:
+            with self.board, suppress(DeadManTripped):
+                self._write_safe()
+        if failed is not None:
+            raise failed
+        self._seen, self._due = seen, False
 
     def _generations(self) -> tuple[int, ...]:
         return tuple(link.generation for link in self._links)

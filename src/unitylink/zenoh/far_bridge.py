@@ -26,16 +26,7 @@ from unitylink.errors import (
 from .failures import decode_failure
 from .far_clock import FarClock
 from .hello import read_welcome
-from .messages import (
-    CLOCK,
-    DO,
-    LEAVE,
-    VISIT,
-    Answer,
-    Operation,
-    Request,
-    decode_answer,
-)
+from .messages import ARM, CLOCK, DO, LEAVE, VISIT, Answer, Operation, Request, decode_answer
 
 if TYPE_CHECKING:
     import zenoh
@@ -157,6 +148,9 @@ class FarBridge:
             settled = min(self._open)
             key, visit = self.keys.request(self.bridge), self.visit
         deadline_ns = self.clock.deadline(began_ns, int(each_s * attempts * 1e9))
+        if kind == ARM:  # the bridge refuses it if somebody has stopped the robot since
+            before_us = (deadline_ns - self.clock.latest(began_ns)) // 1000
+            argument = min(max(before_us, 1), 0xFFFFFFFF)
         request = Request(
             kind, visit, number, settled, deadline_ns, flags, argument, detail, tuple(operations)
         )

@@ -36,6 +36,13 @@ class FarClock:
         """
         return self._least(now_ns) + int(ttl_ns * (1 - DRIFT))
 
+    def latest(self, now_ns: int) -> int:
+        """Return a moment that the bridge's clock has not passed now: it was asked before it answered.
+
+        It is later by up to the round trip of the question.
+        """
+        return self._told_ns + int((now_ns - self._asked_ns) * (1 + DRIFT)) + 1
+
     def here(self, far_ns: int) -> int:
         """Return when that was by the client's clock. It is wrong by up to half a round trip."""
         return far_ns - self._told_ns + (self._asked_ns + self._heard_ns) // 2

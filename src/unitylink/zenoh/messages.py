@@ -55,7 +55,8 @@ class Request(NamedTuple):
     `visit` is the number that the bridge gave the client. `id` is the request's own, and `settled` is below
     every id that may still come again. A request is not begun after `deadline_ns`, by the clock of the
     bridge. 0 means none. `argument` and `detail` belong to SUBSCRIBE: the divisor, and the group plus one.
-    `body` is the value of a WRITE_VALUE.
+    The `argument` of an ARM is how many us before its deadline it was asked for; 0 means unknown. `body` is
+    the value of a WRITE_VALUE.
     """
 
     kind: int
@@ -77,6 +78,12 @@ class Request(NamedTuple):
     @property
     def writes(self) -> bool:
         return any(operation[0] not in READS for operation in self.operations)
+
+    @property
+    def asked_ns(self) -> int | None:
+        """When an ARM was asked for at the latest, by the clock of the bridge, if that is known."""
+        known = self.kind == ARM and self.deadline_ns and self.argument
+        return self.deadline_ns - 1000 * self.argument if known else None
 
     def encode(self) -> bytes:
         """Return the bytes of the request."""

@@ -13,11 +13,11 @@ import pytest
 from tests.unit.server.served import Served, arm, served
 from tests.unit.server.test_serving import until
 from unitylink import Link
-from unitylink.errors import AccessRefused, DeadManTripped, LinkDown, UnityLinkError
+from unitylink.errors import AccessRefused, DeadManTripped, LinkDown, LinkError, LinkTimeout, UnityLinkError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.server.gate import Client
 from unitylink.server.stop_file import SOMEBODY, StopFile
-from unitylink.server.stop_switch import DEAD_MAN, now
+from unitylink.server.stop_switch import DEAD_MAN, StopSwitch, now
 from unitylink.simulate import Board
 
 TARGET, POWER = 0x1A, 0x1B
@@ -184,6 +184,42 @@ def test_a_stop_wins_against_an_arm_that_is_under_way(monkeypatch: pytest.Monkey
         assert told == ["looks is stopping the robot; arm it after that"]
         assert one.robot.report()["stopped_by"] == "looks"
         assert one.robot.board_link().dead_man().tripped
+
+
+def test_an_arm_after_a_stop_that_failed_makes_the_outputs_safe_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Else the robot would go on with what it did, although somebody has stopped it."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise LinkTimeout("a test: no answer")
+
+    with a_board() as board, server_of(board) as one, one.link() as ana:
+        monkeypatch.setattr(one.robot.switch, "keep", lambda: None)
+        ana.write(TARGET, 50)
+        with monkeypatch.context() as patch, pytest.raises(LinkTimeout):
+            patch.setattr(Link, "trip", fails)
+            patch.setattr(Link, "write_many", fails)
+            one.robot.switch.stop(enter(one))
+        assert one.robot.report()["trips"] == 0
+        one.robot.switch.arm(enter(one))
+        assert one.robot.report()["trips"] == 1 and board.registers[TARGET] == 0
+
+
+def test_a_board_that_is_away_does_not_keep_a_stop_from_the_other_boards() -> None:
+    with (
+        a_board() as left,
+        a_board() as right,
+        served() as one,
+        Link(f"{left.url}?timeout=0.2") as first,
+        Link(right.url) as second,
+    ):
+        switch = StopSwitch(one.robot.gate)
+        switch.attach((first, second), lambda: None)
+        left.close()
+        with pytest.raises(LinkError):
+            switch.stop(enter(one))
+        assert second.dead_man().tripped
 
 
 def test_a_board_without_a_dead_man_has_the_file(tmp_path: Path) -> None:

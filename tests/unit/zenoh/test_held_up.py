@@ -171,3 +171,32 @@ def test_a_stop_while_the_board_is_away(rig: Rig, link: ZenohLink) -> None:
     link.arm()
     link.write(GOAL, 2)
     assert board.registers[GOAL] == 2
+
+
+def test_an_arm_that_is_held_up_does_not_end_a_later_stop(rig: Rig, link: ZenohLink) -> None:
+    """It arrives in time, and its way is longer than that of the stop which came after it."""
+    gap, told = Gap(rig.port), list[Exception]()
+    with connect(rig.url("&timeout=5", gap.port)) as far:
+        link.trip()
+        far.arm()  # this one knows of the stop
+
+        def arm() -> None:
+            try:
+                far.arm()
+            except AccessRefused as error:
+                told.append(error)
+
+        gap.there.clear()
+        arming = threading.Thread(target=arm)
+        arming.start()
+        until(lambda: far._far.bridge._open)  # type: ignore[attr-defined]
+        time.sleep(0.1)  # so it is under way
+        link.trip()
+        gap.there.set()
+        arming.join(20)
+        assert "was stopped after this was asked for" in str(told[0])
+        with pytest.raises(AccessRefused, match="has stopped the robot"):
+            link.write(GOAL, 1)
+        far.arm()
+        link.write(GOAL, 3)
+    gap.close()

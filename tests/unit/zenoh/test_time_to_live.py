@@ -43,6 +43,7 @@ def test_no_set_point_is_executed_after_its_time(seed: int) -> None:
             clock.learn(now_ns, clocks.far(now_ns + there), now_ns + there + back)
             now_ns += there + back
         sent_ns[number] = now_ns
+        assert clock.latest(now_ns) >= clocks.far(now_ns), "an arm would look older than a stop before it"
         point = SetPoint("j1", 1, number, clock.deadline(now_ns, ttl_ns), b"")
         delay = chance.choice((1, 5, 30, 90, 110, 400, 5000)) * MS
         flying += [(now_ns + delay, point)] * chance.choice((0, 1, 1, 2))
@@ -61,6 +62,7 @@ def test_the_time_that_is_lost_is_a_round_trip_at_most() -> None:
     clock = FarClock()
     clock.learn(asked_ns=0, told_ns=500 * MS, heard_ns=4 * MS)
     assert 0 <= 500 * MS + 4 * MS + 100 * MS - clock.deadline(4 * MS, 100 * MS) <= 4 * MS + MS // 10
+    assert 0 <= clock.latest(4 * MS) - (500 * MS + 4 * MS) <= 4 * MS + MS // 10
     clock.learn(asked_ns=10 * MS, told_ns=511 * MS, heard_ns=911 * MS)  # a slow answer says less
     assert clock.here(500 * MS) == 2 * MS
 

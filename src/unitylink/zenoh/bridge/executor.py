@@ -153,9 +153,9 @@ class Executor:
         bits = link.configuration.data_bits
         return sum(int(word) << bits * place for place, word in enumerate(words))
 
-    def arm(self, client: Client) -> None:
-        """Allow writes again."""
-        self.robot.switch.arm(client)
+    def arm(self, client: Client, asked_ns: int | None) -> None:
+        """Allow writes again, if there was no stop since this was asked for."""
+        self.robot.switch.arm(client, asked_ns)
 
     def stop(self, client: Client) -> int:
         """Make all outputs safe now. Return how many outputs have a SAFE value.

@@ -136,7 +136,7 @@ class Requests:
             self._groups.leave(request.argument, visit.number)
             visit.groups.discard(request.argument)
         elif request.kind == ARM:
-            self._executor.arm(visit.client)
+            self._executor.arm(visit.client, request.asked_ns)
         elif request.kind == LEAVE:
             self._leave(visit)
             return Answer(request.id, 0).encode()
