@@ -118,7 +118,7 @@ begin
     lines(2 * number + 1 downto 2 * number) <= b(number) & a(number);
   end generate;
 
-  pins : entity work.synchroniser
+  pins_synchroniser : entity work.synchroniser
     generic map (width => 2 * channels)
     port map (clock => clock, asynchronous => lines, levels => settled);
 

@@ -101,7 +101,7 @@ begin
     3 => extended(opened),
     4 => (others => '0'));
 
-  contacts : entity work.synchroniser
+  contacts_synchroniser : entity work.synchroniser
     generic map (width => inputs, idle => open_level)
     port map (clock => clock, reset => reset, asynchronous => chain, levels => levels);
 

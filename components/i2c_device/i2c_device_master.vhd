@@ -73,7 +73,7 @@ architecture rtl of i2c_device_master is
 
 begin
 
-  line : entity work.synchroniser
+  line_synchroniser : entity work.synchroniser
     generic map (width => 2, idle => '1')
     port map (clock => clock, asynchronous => sda_in & scl_in, levels => pins);
 

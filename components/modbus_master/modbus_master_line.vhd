@@ -130,7 +130,7 @@ begin
       clock => clock, reset => deaf, increment => open, line => rx, line_break => open, rx_valid => rx_valid,
       rx_ready => '1', rx_data => rx_data, rx_error => rx_error);
 
-  line : entity work.synchroniser
+  line_synchroniser : entity work.synchroniser
     generic map (idle => '1')
     port map (clock => clock, asynchronous(0) => rx, levels(0) => level);
 

@@ -159,7 +159,7 @@ begin
   value_1_wire <= wire_from(values, 1, running);
   value_2_wire <= wire_from(values, 2, running);
 
-  inputs : entity work.synchroniser
+  inputs_synchroniser : entity work.synchroniser
     generic map (width => channels)
     port map (clock => clock, asynchronous => data, levels => levels);
 

@@ -66,7 +66,7 @@ architecture rtl of spi_master is
 
 begin
 
-  line : entity work.synchroniser
+  line_synchroniser : entity work.synchroniser
     port map (clock => clock, asynchronous(0) => miso, levels => level);
 
   reply.failed <= '0';

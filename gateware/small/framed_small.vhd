@@ -132,6 +132,8 @@ begin
   assert settings.window <= small_window_max
     report "framed_small: window is " & integer'image(settings.window) & "; it has places for "
       & integer'image(small_window_max) severity failure;
+  assert settings.window = 2 ** bits_for(settings.window)
+    report "framed_small: window is " & integer'image(settings.window) & "; set it to a power of two" severity failure;
 
   processor : entity work.byte_processor
     generic map (program => program_of(publishing))

@@ -45,7 +45,7 @@ end entity;
 
 architecture rtl of small_publishing is
 
-  constant period : positive := clock_hz / base_hz;
+  constant period : positive := maximum(1, clock_hz / base_hz);
 
   subtype flags_t is std_ulogic_vector(groups - 1 downto 0);
 

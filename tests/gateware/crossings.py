@@ -33,7 +33,7 @@ class Register:
     data: frozenset[Source]  # sources that reach its data input …
     choice: frozenset[Source]  # … its enable or its synchronous reset
     clears: frozenset[Source]  # … and its asynchronous reset
-    direct: bool  # true if there is no logic between the source and the data input
+    direct: bool  # true if nothing or an inverter, which has no glitches, is before the data input
 
 
 class Netlist:
@@ -70,6 +70,10 @@ class Netlist:
             for bit in port["bits"]
             if isinstance(bit, int)
         }
+
+    @property
+    def inputs(self) -> set[str]:
+        return set(self._pins.values())
 
     def _clock(self, bit: int) -> str:
         return self._pins.get(bit) or min(self._names[bit])
@@ -142,14 +146,22 @@ class Netlist:
                     data=self._of([taken]),
                     choice=self._of(choice),
                     clears=self._of(clears),
-                    direct=taken in self._pins or taken in self._stored,
+                    direct=taken in self._whole or self._inverted.get(taken) in self._whole,
                 )
 
     @cached_property
-    def _stored(self) -> frozenset[int]:
-        return frozenset(
+    def _whole(self) -> frozenset[int]:
+        """The bits that come out of no logic: of pins and registers."""
+        stored = {
             bit
             for cell in self._module["cells"].values()
             if _REGISTER.match(cell["type"])
             for bit in cell["connections"]["Q"]
-        )
+        }
+        return frozenset(stored | self._pins.keys())
+
+    @cached_property
+    def _inverted(self) -> dict[int, int]:
+        """What comes out of an inverter, and what goes in."""
+        cells = (cell for cell in self._module["cells"].values() if cell["type"] == "$_NOT_")
+        return {cell["connections"]["Y"][0]: cell["connections"]["A"][0] for cell in cells}

@@ -29,7 +29,7 @@ TURNS = 40
 # `rtl:` a word may be that of a little earlier or later. A time may differ by so many clocks or microseconds.
 WAY_CLOCKS = {"fast": 64, "small": 1200}
 _TIMES = re.compile(r"(.*\.)?(index_)?(stamp|age)(\[\d+\])?")
-_BODY = re.compile(r"public \w+\([^)]*\)\s*\{(.*)\}\s*$", re.DOTALL)
+_EXAMPLE = re.compile(r"^public \w+\(\) \{\n(.*?)^\}\n(.*)", re.DOTALL | re.MULTILINE)
 LINKS = (
     "ADDRESS=16",
     "ADDRESS=24",
@@ -46,17 +46,28 @@ def robot_text(draw: random.Random) -> str:
     >>> robot_text(random.Random(1)).startswith("link robot (ADDRESS=")
     True
     """
-    lines = []
-    for place, folder in enumerate(draw.sample(sorted((ROOT / "components").glob("*/")), draw.randint(2, 4))):
-        found = _BODY.search((folder / "example.ul").read_text("utf-8"))
-        assert found, f"{folder.name}: the example has no public object at its end"
-        lines.append(renamed(found[1], place))
+    folders = draw.sample(component_folders(), draw.randint(2, 4))
     kinds = ("u32", "i32", "u8", "i16")
-    for at in range(draw.randint(1, 5)):
-        lines.append(
-            f"   @w{at} = {0xF000 + at:#x}: {draw.choice(kinds)} READWRITE(INITIAL={draw.randint(0, 100)});\n"
-        )
-    return f"link robot ({draw.choice(LINKS)});\npublic robot() {{\n{''.join(lines)}}}\n"
+    words = [
+        f"   @w{at} = {0xF000 + at:#x}: {draw.choice(kinds)} READWRITE(INITIAL={draw.randint(0, 100)});\n"
+        for at in range(draw.randint(1, 5))
+    ]
+    return f"link robot ({draw.choice(LINKS)});\n{robot_of(folders, words)}"
+
+
+def component_folders() -> list[Path]:
+    return sorted((ROOT / "components").glob("*/"))
+
+
+def robot_of(folders: Sequence[Path], words: Sequence[str]) -> str:
+    """Return a public object with the examples of these components and with `words`, without a link."""
+    inside, beside = [], []
+    for place, folder in enumerate(folders):
+        found = _EXAMPLE.search((folder / "example.ul").read_text("utf-8"))
+        assert found, f"{folder.name}: the example has no public object"
+        inside.append(renamed(found[1], place))
+        beside.append(found[2])  # components of its own
+    return f"public robot() {{\n{''.join([*inside, *words])}}}\n{''.join(beside)}"
 
 
 def renamed(body: str, place: int) -> str:

@@ -14,8 +14,10 @@ from pathlib import Path
 import pytest
 
 from tests.gateware.crossings import Netlist, Register
+from tests.gateware.random_robots import component_folders, robot_of
+from unitylink import generate
 from unitylink.boards.logic import Wanted, design_sources, logic_of
-from unitylink.gateware import gateware_folder, netlist
+from unitylink.gateware import gateware_folder, gateware_sources, netlist
 from unitylink.generate import SpecPlan, generate_vhdl, planned_files, write_files
 from unitylink.generate.vhdl import design_name
 from unitylink.interface.board_configuration import BoardConfiguration
@@ -97,6 +99,17 @@ def make_design(folder: Path, physical: str) -> Netlist:
     return Netlist(netlist(top, sources=sources, assertions=False), top, folder)
 
 
+def test_every_synchroniser_has_the_name_that_constraints_look_for() -> None:
+    texts = [*gateware_sources(), *Path(generate.__file__).parent.glob("vhdl/*.jinja")]
+    labels = {
+        label
+        for path in texts
+        for label in re.findall(r"(\w+) *: *entity \w+\.synchroniser\b", path.read_text(encoding="utf-8"))
+    }
+    assert len(labels) > 10
+    assert not {label for label in labels if not label.endswith("synchroniser")}
+
+
 def test_a_bus_between_two_clocks_takes_nothing_unsynchronised(tmp_path: Path) -> None:
     verilog = netlist("wishbone_crossing", assertions=False)
     sides = {f"{side}_clock": (f"{side}_m2s", f"{side}_s2m", f"{side}_reset") for side in ("master", "slave")}
@@ -113,20 +126,35 @@ def test_a_design_takes_nothing_unsynchronised(physical: str) -> None:
     assert {"first", "reset_over"} <= kinds
 
 
-def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
-    (tmp_path / "panel.ul").write_text(
-        "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE();"
-        " pad: gpio(pins=2); wheel: quadrature_encoder(with_index=1); }"
-    )
-    order = Wanted(spec_file=str(tmp_path / "panel.ul"), folder=tmp_path)
+def board_of(text: str, folder: Path) -> Netlist:
+    """The design that `unitylink build` makes of a spec: its words and components are on pins."""
+    (folder / "robot.ul").write_text(text, encoding="utf-8")
+    order = Wanted(spec_file=str(folder / "robot.ul"), folder=folder)
     plan = SpecPlan(load(order.spec_file), {"protocol": "classic", "publish_mode": 0})
-    write_files(planned_files(plan, ["vhdl"]), tmp_path)
+    write_files(planned_files(plan, ["vhdl"]), folder)
     made = logic_of(plan, order)
-    sources = [*design_sources(plan.spec, tmp_path), *made.sources]
-    found = Netlist(netlist(made.top, sources=sources, assertions=False), made.top, tmp_path)
+    sources = [*design_sources(plan.spec, folder), *made.sources]
+    return Netlist(netlist(made.top, sources=sources, assertions=False), made.top, folder)
+
+
+def test_words_on_pins_pass_a_synchroniser(tmp_path: Path) -> None:
+    found = board_of(
+        "public panel() { @keys = 0x0: u4 READ(); @button = 0x1: bool READ(); @led = 0x2: WRITE();"
+        " pad: gpio(pins=2); wheel: quadrature_encoder(with_index=1); }",
+        tmp_path,
+    )
     assert not complaints(found, Bounds())
     pins = {name for register in found.registers for _, name in Bounds().foreign(register)}
     assert {"keys", "button", "pad_pin_in", "wheel_a", "wheel_b", "wheel_index", "rx_line", "reset"} <= pins
+
+
+@pytest.mark.long
+def test_pins_of_every_component_pass_a_synchroniser(tmp_path: Path) -> None:
+    found = board_of(f"link robot (ADDRESS=16);\n{robot_of(component_folders(), ())}", tmp_path)
+    assert not complaints(found, Bounds())
+    pins = {name for register in found.registers for _, name in Bounds().foreign(register)}
+    passed_over = found.inputs - pins - {"clock"}
+    assert all(name.endswith(("_index", "_gate")) for name in passed_over)  # the examples leave them out
 
 
 CONSTRAINTS = gateware_folder() / "constraints"

@@ -49,6 +49,7 @@ def test_what_is_synthesised_does_the_same(ghdl: Any, tmp_path: Path) -> None:
     ("generics", "message"),
     [
         ({"window": 16}, "window is 16; it has places for 8"),
+        ({"window": 6}, "window is 6; set it to a power of two"),
         ({"lists": True}, "set lists false, exchanges 0"),
         ({"publish_mode": 2, "groups": 7, "group_size": 5}, "groups is 7; it has room for 6"),
         (
@@ -60,6 +61,10 @@ def test_what_is_synthesised_does_the_same(ghdl: Any, tmp_path: Path) -> None:
 )
 def test_what_it_does_not_have_is_refused(ghdl: Any, generics: dict[str, Any], message: str) -> None:
     ghdl.refuse("framed_small_tb", message, **generics)
+
+
+def test_a_base_rate_above_the_clock_is_refused(ghdl: Any) -> None:
+    ghdl.refuse("small_publishing_tb", "lower base_hz", base_hz=2000)
 
 
 def test_a_program_of_another_length_is_refused(ghdl: Any) -> None:

@@ -251,7 +251,7 @@ SENSOR_BLOCKS = (
             "shut": "dut.closed",
             "old": "dut.whole",
             "for_bus": "dut.shown",
-            "near": "dut.pins.first",
+            "near": "dut.pins_synchroniser.first",
             "seen": "dut.settled",
             "taken": "dut.sample",
             "now_are": "dut.levels",

@@ -31,7 +31,7 @@ Placer = Callable[[int, PlacedComponent, Mapping[tuple[str, str], int]], Placed]
 _NODE_NAMES = """
     clock reset ring_in ring_out running strobe exchange time_valid time_bits clock_hz line_baud_hz
     line_clocks entry ring_time inputs outputs address_map slaves_m2s slaves_s2m master_m2s master_s2m
-    given taken wires sampled node carrier interconnect std_ulogic_vector unsigned word_vector_t
+    given taken wires ring_synchroniser node carrier interconnect std_ulogic_vector unsigned word_vector_t
     wishbone_m2s_vector_t wishbone_s2m_vector_t wishbone_m2s_t wishbone_s2m_t address_map_t wire_vector_t
 """
 _NO_ADDRESSES = Vhdl("tosnet_no_addresses_c")
