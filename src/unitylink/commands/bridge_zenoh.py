@@ -241,7 +241,8 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
         log = LogFile(options.audit_file, "--audit") if options.audit_file else None
         if log is not None:
             stack.callback(log.close)
-        audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
+        audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True), apart=True)
+        stack.callback(audit.close)
         robot = Robot(root, link, spec, tokens, audit, memory=memory)
         server = stack.enter_context(Server([robot], tokens, audit, "127.0.0.1", 0))
         secret = stack.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))

@@ -180,9 +180,10 @@ def command(
     if check_config:
         return _report_check(named, host, port, known, tls=tls is not None)
     log = LogFile(audit_file, "--audit") if audit_file else None
-    audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True))
+    audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True), apart=True)
     allow_files()
     with stopped_by_signals() as stop, ExitStack() as boards, ExitStack() as pages:
+        boards.callback(audit.close)
         robots = [
             Robot(name, link, spec, tokens, audit, silence_s=lease_silence or 0.0, memory=memory)
             for name, link in named.items()

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import json
+import threading
 
 import pytest
 
-from unitylink.server.audit import Audit
+from tests.unit.server.test_serving import until
+from unitylink.server.audit import MOST, Audit
 from unitylink.server.log_file import LogFile
 from unitylink.server.rate_limit import RateLimit
 
@@ -85,3 +87,29 @@ def test_a_clock_that_goes_back_gives_nothing():
     assert limit.allow(5.0)
     assert not limit.allow(1.0)
     assert limit.wait_s() == 1.0
+
+
+def test_nobody_waits_for_a_log_that_hangs():
+    lines, held = [], threading.Event()
+
+    def put(line):
+        held.wait(20)
+        lines.append(line)
+
+    audit = Audit(put, apart=True)
+    for number in range(MOST + 3):
+        audit.line("stop", 0.0, number=number)
+    assert not lines and audit.unwritten in (2, 3)  # the thread may have one already
+    held.set()
+    until(lambda: len(lines) > 100)
+    audit.close()
+    assert [json.loads(line)["number"] for line in lines[:100]] == list(range(100))
+
+
+def test_the_end_writes_the_lines_that_wait():
+    lines = []
+    audit = Audit(lines.append, apart=True)
+    for number in range(100):
+        audit.line("stop", 0.0, number=number)
+    audit.close()
+    assert len(lines) == 100
