@@ -26,6 +26,8 @@ class StopFile:
             raise UnityLinkError(f"{option} {path}: {folder} is no folder where this program may write")
         if self.path.is_dir():
             raise UnityLinkError(f"{option} {path}: this is a folder; name a file in it")
+        if self.path.exists() and not self.path.is_file():  # who reads a pipe waits for its other end
+            raise UnityLinkError(f"{option} {path}: this is a device or a pipe; name a file")
 
     def read(self) -> str:
         """Return who has stopped the robot, or "" if nobody has.

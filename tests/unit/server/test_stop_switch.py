@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -259,6 +260,9 @@ def test_a_file_that_is_there_means_stopped(tmp_path: Path) -> None:
         StopFile(str(tmp_path / "none" / "arm.stop"))
     with pytest.raises(UnityLinkError, match="this is a folder"):
         StopFile(str(tmp_path))
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(UnityLinkError, match="this is a device or a pipe"):
+        StopFile(str(tmp_path / "pipe"))
 
 
 def test_a_file_that_cannot_be_written_stops_all_the_same(
