@@ -38,6 +38,8 @@ def _smaller(name: str, what: str, **settings: int | bool) -> Row:
     return Row(name, f"`shipped` {what}", settings=changed, chips=("ice40",), seeds=SEEDS[:1])
 
 
+# A limit on the clock is a goal of the project, or about the slowest of the seeds where a row has no such goal
+# or does not reach it.
 ROWS = (
     Row("core", "8-bit address, 32-bit data, two groups of 16", cells_most=1100, mhz_least=99.0),
     Row("no_publishing", "the same without publishing", settings={"publish_mode": 0}, cells_most=700),
@@ -64,7 +66,7 @@ ROWS = (
         },
         cells_most=1400,
         mhz_least=100.0,
-        ecp5_mhz_least=118.0,
+        ecp5_mhz_least=125.0,
     ),
     Row(
         "small_minimal",
@@ -80,6 +82,7 @@ ROWS = (
         "the same with the dead-man",
         settings=SMALL_ENGINE,
         engine="small",
+        mhz_least=97.0,
     ),
     Row(
         "small_publishing_minimal",
@@ -95,12 +98,13 @@ ROWS = (
         settings={**SMALL_ENGINE, **SMALL_GROUPS, "groups": 4},
         engine="small",
         cells_most=900,
+        mhz_least=90.0,
     ),
     Row(
         "framed",
         "framed alone, with all features",
         settings={"protocol": "framed"},
-        mhz_least=76.0,
+        mhz_least=77.0,
         ecp5_mhz_least=98.0,
     ),
     Row(
