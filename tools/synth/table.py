@@ -38,8 +38,7 @@ def _smaller(name: str, what: str, **settings: int | bool) -> Row:
     return Row(name, f"`shipped` {what}", settings=changed, chips=("ice40",), seeds=SEEDS[:1])
 
 
-# A limit on the clock is a goal of the project. Where a row has no such goal, or does not reach it, the limit is
-# about the slowest of its seeds.
+# A limit on the clock is a goal of the project, or about the slowest seed of a row that has no such goal.
 ROWS = (
     Row("core", "8-bit address, 32-bit data, two groups of 16", cells_most=1100, mhz_least=99.0),
     Row("no_publishing", "the same without publishing", settings={"publish_mode": 0}, cells_most=700),
