@@ -220,19 +220,20 @@ def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
         )
 
 
-def place(mapped: Mapped, seeds: Sequence[int]) -> dict[str, float | int | list[float]]:
-    """Place and route with each of the seeds. Return the figures for a row of the record."""
+def place(mapped: Mapped, seeds: Sequence[int], *options: str) -> dict[str, float | int | list[float]]:
+    """Place and route with each seed and these options. Return the figures for a row of the record."""
     clocks, used = [], {}
     for seed in seeds:
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "design.json").write_text(mapped.netlist, encoding="utf-8")
             # In the folder and with bare names, because the tool from PyPI is WebAssembly and does not see
             # all paths.
-            options = ["--json", "design.json", "--report", "report.json", "--seed", str(seed), "--quiet"]
+            files = ["--json", "design.json", "--report", "report.json", "--seed", str(seed), "--quiet"]
             program, *fixed = mapped.chip.place
             call(
                 tool(program),
                 *fixed,
+                *files,
                 *options,
                 "--freq",
                 str(TARGET_MHZ),

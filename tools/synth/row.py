@@ -22,6 +22,7 @@ class Row:
     engine: str = "fast"  # engine of the framed protocol in a core
     chips: tuple[str, ...] = ("ice40", "ecp5")
     seeds: tuple[int, ...] = SEEDS
+    ecp5_options: tuple[str, ...] = ()  # for nextpnr
     cells_most: int | None = None  # on iCE40
     mhz_least: float | None = None  # on iCE40, the median over the seeds
     memories_most: int | None = None  # on iCE40

@@ -15,6 +15,7 @@ from typing import Any
 
 from flow import (
     CHIPS,
+    ECP5,
     ICE40,
     ROOT,
     TARGET_MHZ,
@@ -62,7 +63,9 @@ def measure(row: Row, known: dict[str, Any] | None = None) -> dict[str, Any]:
         return known
     print(f"{row.name:14} ...", flush=True)
     figures = {
-        name: place(map_cells(verilog, top_of(row), chip), row.seeds)
+        name: place(
+            map_cells(verilog, top_of(row), chip), row.seeds, *(row.ecp5_options if chip is ECP5 else ())
+        )
         for name, chip in CHIPS.items()
         if name in row.chips
     }
@@ -101,7 +104,9 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
 def limits(row: Row, chip: Chip) -> str:
     """Return the project's limits for the row on a chip."""
     if chip is not ICE40:
-        return f"at least {row.ecp5_mhz_least:.0f} MHz" if row.ecp5_mhz_least else ""
+        wanted = [f"at least {row.ecp5_mhz_least:.0f} MHz"] if row.ecp5_mhz_least else []
+        wanted += [f"`{' '.join(row.ecp5_options)}`"] if row.ecp5_options else []
+        return ", ".join(wanted)
     wanted = [f"at most {row.cells_most} cells"] if row.cells_most else []
     wanted += [f"at most {row.memories_most} block RAMs"] if row.memories_most else []
     wanted += [f"at least {row.mhz_least:.0f} MHz"] if row.mhz_least else []
@@ -117,6 +122,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "GHDL converts each row to Verilog, and yosys maps it. nextpnr places it with a target of",
         f"{TARGET_MHZ} MHz and seeds {', '.join(map(str, SEEDS))}. The clock is the median of the seeds,",
         "register to register, with the range in parentheses. With several clocks it is the slowest.",
+        "Options of nextpnr for the ECP5 stand at the limits of a row.",
         "",
         "- `core` is measured alone: its byte streams and its bus are on pins, without a physical layer.",
         "- `hello_led`, `servo` and `scara` are complete designs. `scara` has TosNet.",
