@@ -22,6 +22,7 @@ entity frame_arrivals is
     data          : in  byte_t;                   -- the next byte of the payload
     in_session    : in  std_ulogic;
     take, rewind, done : in std_ulogic;
+    take_more     : in  unsigned(7 downto 0);     -- bytes that are taken at once, less 1
     request       : out frame_request_t;
     length, taken : out unsigned(3 downto 0) := (others => '0')
   );
@@ -31,6 +32,7 @@ architecture properties of frame_arrivals is
 
   signal stands, chained, barrier : std_ulogic := '0';
   signal entry    : entry_t := (others => '0');
+  signal few      : std_ulogic;                   -- fewer bytes are left than would be taken
   signal is_frame : std_ulogic;                   -- what arrives may
 
 begin
@@ -44,7 +46,9 @@ begin
   request.data    <= data;
   request.left    <= resize(length - taken, 8);
   request.length  <= resize(length, 8);
-  request.missing <= to_bit(length = taken);
+  request.missing <= few;
+
+  few <= to_bit(length - taken <= take_more);
 
   is_frame <= to_bit(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
                      (unsigned(entry_in) > 15 or in_session = '1') and
@@ -55,8 +59,8 @@ begin
     if rising_edge(clk) then
       if done = '1' or rewind = '1' then
         taken <= (others => '0');
-      elsif take = '1' and length /= taken then
-        taken <= taken + 1;
+      elsif take = '1' and few = '0' then
+        taken <= taken + take_more(3 downto 0) + 1;
       end if;
       if stands = '0' or done = '1' then
         stands  <= arrives;

@@ -1,10 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What may be at each place of the program of the framed application, for its proof. The functions go through the
--- program until nothing changes. The proof asserts what they find (frame_places), so a wrong table proves nothing.
---
--- A place in a routine has the facts of now. The place behind the call has what will be so when the routine is over:
--- `effects_of` says what the routine still does.
+-- What may be at a place of the program of the framed application, for its proof, and what an instruction makes of it.
+-- frame_tables_pkg goes through the program with that. frame_list_facts_pkg has the part about lists.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,6 +11,7 @@ use work.bit_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
+use work.frame_list_facts_pkg.all;
 use work.frame_pkg.all;
 use work.frame_works_pkg.all;
 use work.protocol_pkg.all;
@@ -22,65 +20,74 @@ package frame_facts_pkg is
 
   -- Each bit says that something may be so. What may not be so is the fact. The first bits are the works of
   -- frame_works_pkg.
-  subtype facts_t is std_ulogic_vector(40 downto 0);
+  subtype facts_t is std_ulogic_vector(100 downto 0);
+
+  subtype list_f is natural range 100 downto 49;  -- list_facts_t
 
   -- The id.
-  constant first        : natural := 12;  -- mark_repeated is not set
-  constant repeats      : natural := 13;  -- it is set
-  constant judged_once  : natural := 14;  -- the cache was asked, and mark_repeated is not set
-  constant judged_twice : natural := 15;
-  constant judged_more  : natural := 16;
-  constant unjudged     : natural := 17;  -- the cache has not called this id new, and mark_repeated is not set
-  constant is_new       : natural := 18;  -- it is a request with an id, which is new
-  constant is_repeated  : natural := 19;
-  constant is_stale     : natural := 20;  -- neither
-  constant is_long      : natural := 21;  -- it is a request with an id, and has both bytes of it
-  constant taken_some   : natural := 22;  -- the next byte is not the first one
+  constant first        : natural := 14;  -- mark_repeated is not set
+  constant repeats      : natural := 15;  -- it is set
+  constant judged_once  : natural := 16;  -- the cache was asked, and mark_repeated is not set
+  constant judged_twice : natural := 17;
+  constant judged_more  : natural := 18;
+  constant unjudged     : natural := 19;  -- the cache has not called the id of the request new, and mark_repeated is
+                                          -- not set
+  constant is_new       : natural := 20;  -- it is a request with an id, which is new
+  constant is_repeated  : natural := 21;
+  constant is_stale     : natural := 22;  -- neither
+  constant is_long      : natural := 23;  -- it is a request with an id, and has both bytes of it
+  constant taken_some   : natural := 24;  -- the next byte is not the first one
 
   -- The bus.
-  constant untouched    : natural := 23;  -- there was no access
-  constant on_bus       : natural := 24;  -- there is one, or its end was not seen yet
-  constant touched      : natural := 25;  -- there was one
-  constant failing      : natural := 26;  -- there was an access, and the bus refused it or did not answer
-  constant denying      : natural := 39;  -- there was a write, and the dead-man denied it
-  constant succeeding   : natural := 27;  -- there was an access, and it went well
-  constant unopened     : natural := 28;  -- it is a READ or WRITE without an access
-  constant untold       : natural := 29;  -- a request with an id had an access, and `data` is not its status
+  constant untouched    : natural := 25;  -- there was no access
+  constant on_bus       : natural := 26;  -- there is one, or its end was not seen yet
+  constant touched      : natural := 27;  -- there was one
+  constant failing      : natural := 28;  -- there was an access, and the bus refused it or did not answer; or it is
+                                          -- one of a list, and was denied
+  constant denying      : natural := 41;  -- there was a write of no list, and the dead-man denied it
+  constant succeeding   : natural := 29;  -- there was an access, and it went well
+  constant unopened     : natural := 30;  -- it is a READ or WRITE without an access
+  constant untold       : natural := 31;  -- a request with an id had an access, and `data` is not its status
 
   -- The answer.
-  constant unsaid       : natural := 30;  -- there is none
-  constant unanswered   : natural := 38;  -- there is none, and it is a request with an id
-  constant said         : natural := 31;  -- it has begun
-  constant ended        : natural := 32;  -- it has ended
-  constant untrue       : natural := 33;  -- there was an access, and the status of the answer is another one
-  constant sending      : natural := 34;  -- the transmitter is not idle
-  constant has_command  : natural := 40;  -- the dead-man was started, stopped or armed
-  constant new_epoch       : natural := 35;  -- the epoch was loaded
+  constant unsaid       : natural := 32;  -- there is none
+  constant unanswered   : natural := 40;  -- there is none, and it is a request with an id
+  constant said         : natural := 33;  -- it has begun
+  constant ended        : natural := 34;  -- it has ended
+  constant untrue       : natural := 35;  -- there was an access, and the status of the answer is another one
+  constant sending      : natural := 36;  -- the transmitter is not idle
+  constant begun_bytes  : natural := 43;  -- some of its bytes were sent, and no kind
+  constant has_command  : natural := 42;  -- the dead-man was started, stopped or armed
+  constant new_epoch       : natural := 37;  -- the epoch was loaded
 
-  constant in_routine   : natural := 36;
-  constant returned_to  : natural := 37;  -- a routine returns to this place
+  -- LIST and POST_LIST go through the same places twice. These are about the first time, and about the second one.
+  constant judged_early : natural := 44;  -- the cache was asked
+  constant repeats_early : natural := 45; -- `repeats`
+  constant begun_early  : natural := 46;  -- `begun_bytes`
+  constant unjudged_run : natural := 47;  -- `unjudged`
+  constant fine_run     : natural := 48;  -- no access has failed
 
-  type facts_table_t is array (natural range <>) of facts_t;  -- for each place
+  constant in_routine   : natural := 38;
+  constant returned_to  : natural := 39;  -- a routine returns to this place
 
-  -- What a routine still does.
-  subtype effects_t is std_ulogic_vector(4 downto 0);
+  -- Without what contradicts the rest.
+  function settled(facts : facts_t) return facts_t;
 
-  constant will_say    : natural := 0;  -- the kind of an answer
-  constant will_send   : natural := 1;  -- something
-  constant will_load   : natural := 2;  -- an epoch
-  constant will_tell   : natural := 3;  -- loads the status of the access into `data`
-  constant will_change : natural := 4;  -- changes `data`
+  -- What may be behind an instruction that goes on, or that jumps.
+  function behind(i : frame_instruction_t; facts : facts_t; jumps, lists : boolean) return facts_t;
 
-  constant no_effects : effects_t := (others => '0');
+  -- What may be when work begins with this entry, or after a reset.
+  function beginning(work : works_t) return facts_t;
 
-  type effects_table_t is array (natural range <>) of effects_t;
+  function tells_kind(i : frame_instruction_t) return boolean;
 
-  function facts_of(program : frame_program_t) return facts_table_t;
+  -- It loads the status of an access that failed.
+  function tells_status(i : frame_instruction_t) return boolean;
 
-  function effects_of(program : frame_program_t) return effects_table_t;
+  function changes_data(i : frame_instruction_t) return boolean;
 
   -- The condition never holds, because the core lacks what it is about.
-  function is_dead(condition : natural) return boolean;
+  function is_dead(condition : natural; lists : boolean) return boolean;
 
 end package;
 
@@ -88,10 +95,83 @@ package body frame_facts_pkg is
 
   constant verdicts : facts_t := (is_new | is_repeated | is_stale => '1', others => '0');
 
-  function is_dead(condition : natural) return boolean is
+  function is_dead(condition : natural; lists : boolean) return boolean is
   begin
     return condition = never or condition = if_top or condition = if_left_other or
-           condition = if_shape;
+           (condition = if_shape and not lists);
+  end function;
+
+  -- With those works only that are lists.
+  function of_lists(facts : facts_t) return facts_t is
+    variable f : facts_t := facts;
+  begin
+    f(works_t'high downto works_t'low) := (others => '0');
+    f(work_list)      := facts(work_list);
+    f(work_post_list) := facts(work_post_list);
+    return f;
+  end function;
+
+  function has_lists(facts : facts_t) return std_ulogic is
+  begin
+    return facts(work_list) or facts(work_post_list);
+  end function;
+
+  -- Without what contradicts the rest.
+  function settled(facts : facts_t) return facts_t is
+    variable f : facts_t := facts;
+  begin
+    if has_lists(f) = '0' then
+      f(list_f) := no_list;
+    elsif list_facts_t'(f(list_f)) = no_list then
+      f(work_list)      := '0';
+      f(work_post_list) := '0';
+    elsif only_reads(f(list_f)) then
+      f(work_post_list) := '0';
+    end if;
+    if of_lists(f) = f and f(list_f'low + executing) = '0' then  -- it has had no access
+      f(on_bus)     := '0';
+      f(touched)    := '0';
+      f(failing)    := '0';
+      f(denying)    := '0';
+      f(succeeding) := '0';
+    end if;
+    f(judged_early)  := f(judged_early) and f(list_f'low + checking);
+    f(repeats_early) := f(repeats_early) and f(list_f'low + checking);
+    f(begun_early)   := f(begun_early) and f(list_f'low + checking);
+    f(unjudged_run)  := f(unjudged_run) and f(list_f'low + executing);
+    f(fine_run)      := f(fine_run) and f(list_f'low + executing) and (f(untouched) or f(succeeding));
+    if of_lists(f) = f and f(list_f'low + checking) = '0' and f(fine_run) = '0' then
+      f(untouched)  := '0';
+      f(succeeding) := '0';
+    end if;
+    if of_lists(f) = f and f(list_f'low + executing) = '0' then
+      if f(judged_early) = '0' then
+        f(judged_more downto judged_once) := "000";
+      end if;
+      f(repeats)     := f(repeats) and f(repeats_early);
+      f(begun_bytes) := f(begun_bytes) and f(begun_early);
+    end if;
+    if of_lists(f) = f and f(work_list) = '0' then  -- a post has no id
+      f(judged_more downto judged_once) := "000";
+      f(is_long downto unjudged) := (others => '0');
+      f(unanswered)  := '0';
+      f(unopened)    := '0';
+      f(untold)      := '0';
+      f(repeats)     := '0';
+      f(begun_bytes) := '0';
+    end if;
+    if of_lists(f) = f and f(list_f'low + checking) = '0' and f(unjudged_run) = '0' then
+      f(unjudged) := '0';
+    end if;
+    if f(first) = '0' then
+      f(judged_more downto judged_once) := "000";
+      f(unjudged) := '0';
+    end if;
+    if (f(first) = '0' and f(repeats) = '0') or (or f(works_t'high downto works_t'low)) = '0' or
+        (f(untouched) or f(failing) or f(succeeding) or f(denying)) = '0' then
+      f := (others => '0');
+    end if;
+    return f;
   end function;
 
   function tells_kind(i : frame_instruction_t) return boolean is
@@ -120,7 +200,7 @@ package body frame_facts_pkg is
   end function;
 
   -- What may be behind an instruction that goes on, or that jumps.
-  function behind(i : frame_instruction_t; facts : facts_t; jumps : boolean) return facts_t is
+  function behind(i : frame_instruction_t; facts : facts_t; jumps, lists : boolean) return facts_t is
     variable f         : facts_t := facts;
     variable condition : natural;
     variable number    : natural;
@@ -134,6 +214,7 @@ package body frame_facts_pkg is
     case condition is
       when if_not_new =>
         f(judged_more downto judged_once) := f(judged_twice downto judged_once) & f(first);
+        f(judged_early) := '1';
         if jumps then
           f(is_new) := '0';
         else
@@ -150,7 +231,7 @@ package body frame_facts_pkg is
         end if;
       when if_denied =>
         if jumps then
-          f(failing)    := '0';
+          f(failing)    := f(failing) and has_lists(f);
           f(succeeding) := '0';
         else
           f(denying) := '0';
@@ -164,7 +245,7 @@ package body frame_facts_pkg is
           f(is_long) := '0';
         end if;
       when others =>
-        if jumps and is_dead(condition) then
+        if jumps and is_dead(condition, lists) then
           f := (others => '0');
         end if;
     end case;
@@ -173,14 +254,13 @@ package body frame_facts_pkg is
     if i(do_await) = '1' then
       f(touched) := f(touched) or f(on_bus);
       f(on_bus)  := '0';
-      if condition = if_failed then
-        if jumps then
-          f(succeeding) := '0';
-        else
-          f(failing) := '0';
-          f(denying) := '0';
-        end if;
-      end if;
+    end if;
+    if condition = if_failed and jumps then
+      f(succeeding) := '0';
+      f(fine_run)   := f(fine_run) and f(untouched);
+    elsif condition = if_failed or (condition = if_over and not jumps) then
+      f(failing) := '0';
+      f(denying) := '0';
     end if;
     if not jumps and (i(do_read) or i(do_write)) = '1' then
       f(untouched)  := '0';
@@ -188,7 +268,8 @@ package body frame_facts_pkg is
       f(on_bus)     := '1';
       f(failing)    := '1';
       f(succeeding) := '1';
-      f(denying)    := i(do_write);
+      f(fine_run)   := '1';
+      f(denying)    := i(do_write) and not to_bit(of_lists(f) = f);
       f(untold)     := '1';
       f(untrue)     := f(said) or f(ended);
     end if;
@@ -196,7 +277,9 @@ package body frame_facts_pkg is
     -- The answer.
     if acts then
       if i(say_f) /= say_nothing then
-        f(sending) := '1';
+        f(sending)     := '1';
+        f(begun_bytes) := (f(begun_bytes) or f(unsaid)) and to_bit(i(say_f) = say_byte or i(say_f) = say_kept);
+        f(begun_early) := f(begun_bytes);
       end if;
       if tells_kind(i) then
         if i(source_f) = from_other and number / 32 mod 2 = 1 then
@@ -232,7 +315,7 @@ package body frame_facts_pkg is
       f(taken_some) := '1';
     end if;
     if i(take_f) = take_id then
-      f(unjudged) := '1';
+      f(unjudged) := or f(works_t'high downto work_read);
     end if;
     if commands(i) and not (jumps and condition = if_flag and number = flag_tripped) then
       f(has_command) := '1';
@@ -240,14 +323,20 @@ package body frame_facts_pkg is
     if i(special_f) = load_epoch then
       f(new_epoch) := '1';
     end if;
-    if i(special_f) = set_marks then
+    if i(special_f) = set_marks and number = mark_repeated then
       f(repeats) := f(repeats) or f(first);
+      f(repeats_early) := '1';
       f(first)   := '0';
     end if;
     if condition = if_mark then
-      if number /= mark_repeated then  -- no other mark is ever set
+      if number /= mark_repeated then  -- only lists have others
         if jumps then
-          f := (others => '0');
+          f := of_lists(f);
+        end if;
+        if number = mark_posting and jumps then
+          f(work_list)      := '0';
+        elsif number = mark_posting and f(list_f'low + unposted) = '0' then
+          f(work_post_list) := '0';
         end if;
       elsif jumps then
         f(first)   := '0';
@@ -255,65 +344,14 @@ package body frame_facts_pkg is
         f(repeats) := '0';
       end if;
     end if;
-    if f(first) = '0' then
-      f(judged_more downto judged_once) := "000";
-      f(unjudged) := '0';
+    f := settled(f);
+    f(list_f) := list_behind(i, f(list_f), jumps, f(work_list), f(work_post_list), f(repeats), f(first));
+    if i(special_f) = set_marks and number = mark_executing then
+      f(unjudged_run) := f(unjudged);
+      f(fine_run)     := '1';
     end if;
-    if (f(first) = '0' and f(repeats) = '0') or (or f(works_t'high downto works_t'low)) = '0' or
-        (f(untouched) or f(failing) or f(succeeding) or f(denying)) = '0' then
-      f := (others => '0');
-    end if;
+    f := settled(f);
     return f;
-  end function;
-
-  -- What may be when a routine with these effects is over.
-  function past(effects : effects_t; facts : facts_t) return facts_t is
-    variable f : facts_t := facts;
-  begin
-    f(returned_to) := '1';
-    f(in_routine)  := '0';
-    f(sending)     := f(sending) or effects(will_send);
-    f(new_epoch)      := f(new_epoch) or effects(will_load);
-    if effects(will_say) = '1' then
-      f(said)   := '1';
-      f(unsaid) := '0';
-      f(unanswered) := '0';
-      f(untrue) := f(touched) or f(on_bus);
-    end if;
-    if effects(will_tell) = '1' and (f(succeeding) or f(denying)) = '0' then
-      f(untold) := '0';
-    elsif effects(will_change) = '1' then
-      f(untold) := f(touched) or f(on_bus);
-    end if;
-    return f;
-  end function;
-
-  function effects_of(program : frame_program_t) return effects_table_t is
-    variable table, before : effects_table_t(program'range) := (others => no_effects);
-    variable i : frame_instruction_t;
-    variable e : effects_t;
-  begin
-    loop
-      before := table;
-      for place in program'range loop
-        i := program(place);
-        e := no_effects;
-        if i(do_return) = '0' and i(do_begin) = '0' and i(do_call) = '0' and i(do_dispatch) = '0' then
-          e := table(to_integer(unsigned(i(following_f))));
-        end if;
-        if not is_dead(to_integer(unsigned(i(condition_f)))) then
-          e := e or table(to_integer(unsigned(i(target_f))));
-        end if;
-        e(will_say)    := e(will_say) or to_bit(tells_kind(i));
-        e(will_send)   := e(will_send) or to_bit(i(say_f) /= say_nothing);
-        e(will_load)   := e(will_load) or to_bit(i(special_f) = load_epoch);
-        e(will_tell)   := e(will_tell) or to_bit(tells_status(i));
-        e(will_change) := e(will_change) or to_bit(changes_data(i));
-        table(place)   := e;
-      end loop;
-      exit when table = before;
-    end loop;
-    return table;
   end function;
 
   -- What may be when work begins with this entry, or after a reset.
@@ -322,70 +360,20 @@ package body frame_facts_pkg is
   begin
     f(work)      := '1';
     f(first)     := '1';
-    f(unjudged)  := '1';
     f(untouched) := '1';
     f(unsaid)    := '1';
     f(sending)   := '1';
     if work >= work_read then
       f          := f or verdicts;
       f(is_long) := '1';
+      f(unjudged) := '1';
       f(unanswered) := '1';
     end if;
     f(unopened) := to_bit(work = work_read or work = work_write);
+    if work = work_list or work = work_post_list then
+      f(list_f) := list_begins(to_bit(work = work_list), to_bit(work = work_post_list));
+    end if;
     return f;
-  end function;
-
-  function facts_of(program : frame_program_t) return facts_table_t is
-    constant effects : effects_table_t(program'range) := effects_of(program);
-    variable table, before : facts_table_t(program'range) := (others => (others => '0'));
-    variable i             : frame_instruction_t;
-    variable facts, part   : facts_t;
-    variable following, target : natural;
-  begin
-    table(0)             := beginning(work_none);  -- after a reset
-    table(0)(repeats)    := '1';
-    table(0)(taken_some) := '1';
-    for entry in 0 to 31 loop
-      if begins_work(entry) then
-        table(first_of_entries + place_of(entry)) :=
-          table(first_of_entries + place_of(entry)) or beginning(work_of(entry));
-      end if;
-    end loop;
-    loop
-      before := table;
-      for place in program'range loop
-        i         := program(place);
-        following := to_integer(unsigned(i(following_f)));
-        target    := to_integer(unsigned(i(target_f)));
-        if to_integer(unsigned(i(condition_f))) /= never then
-          table(target) := table(target) or behind(i, table(place), true);
-        end if;
-        facts := behind(i, table(place), false);
-        if i(do_begin) = '1' or i(do_return) = '1' or (facts(first) = '0' and facts(repeats) = '0') then
-          null;
-        elsif i(do_call) = '1' then
-          table(target) := table(target) or past(effects(following), facts);
-          facts(in_routine) := '1';
-          table(following)  := table(following) or facts;
-        elsif i(do_dispatch) = '1' then
-          for operation in 0 to 15 loop
-            if has_id(operation) and facts(work_of(operation)) = '1' then
-              part := facts;
-              part(works_t'high downto works_t'low) := (others => '0');
-              part(work_of(operation)) := '1';
-              if work_of(operation) /= work_read and work_of(operation) /= work_write then
-                part(unopened) := '0';
-              end if;
-              table(following + operation) := table(following + operation) or part;
-            end if;
-          end loop;
-        else
-          table(following) := table(following) or facts;
-        end if;
-      end loop;
-      exit when table = before;
-    end loop;
-    return table;
   end function;
 
 end package body;

@@ -18,7 +18,8 @@ use work.width_pkg.all;
 
 entity frame_work is
   generic (
-    program : frame_program_t
+    program : frame_program_t;
+    lists   : boolean
   );
   port (
     clk, reset      : in std_ulogic;
@@ -75,6 +76,8 @@ architecture properties of frame_work is
   signal id_before, id_then : std_ulogic_vector(15 downto 0) := (others => '0');
   signal forgot    : std_ulogic := '0';
   signal routine   : std_ulogic := '0';
+  signal listed    : std_ulogic;
+  signal status    : std_ulogic_vector(3 downto 0);
   signal stands, in_session, calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
 
 begin
@@ -96,10 +99,25 @@ begin
   with_id     <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and
                                   entry /= request_kind_post_list_c mod 16);
 
+  listed      <= frame and to_bit(lists and (entry = request_kind_list_c mod 16 or
+                                             entry = request_kind_post_list_c mod 16));
+
+  state_status : process (all) is
+  begin
+    status <= std_ulogic_vector(to_unsigned(trouble, 4));
+    if trouble = 3 then
+      status <= std_ulogic_vector(to_unsigned(reply_status_denied_c, 4));
+      if listed = '1' then
+        status <= std_ulogic_vector(to_unsigned(reply_status_bus_error_c, 4));
+      end if;
+    end if;
+  end process;
+
   known <= (
-    begun => begun, idle => idle, entry => entry, chosen => entry_now, frame => frame, with_id => with_id,
+    begun => begun, idle => idle, entry => entry, chosen => entry_now, frame => frame, listed => listed,
+    with_id => with_id,
     had_id => had_id, at_rest => at_rest, dones => dones, kinds => kinds, kind => kind, given => given,
-    begun_payload => begun_payload, accesses => accesses, trouble => trouble,
+    begun_payload => begun_payload, accesses => accesses, trouble => trouble, status => status,
     memories => memories, remembered => remembered, judgements => judgements, judged => judged, judged_id => judged_id,
     id_before => id_before, id_then => id_then, other => other, other_before => other_before, forgot => forgot,
     routine => routine, in_session => in_session, looked_at => looked_at, looked_at_next => looked_at_next);
@@ -153,7 +171,7 @@ begin
         dones <= dones + 1;
       end if;
       if bii.valid = '1' and response.done = '1' then
-        if accesses < 2 then
+        if accesses < 2 and not (listed = '1' and accesses = 1) then
           accesses <= accesses + 1;
         end if;
         trouble <= 0;

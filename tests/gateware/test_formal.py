@@ -195,6 +195,16 @@ def test_a_quick_block_notices_a_fault(tools: Any, name: str) -> None:
     assert tools("prove").catch(block, block.mutants[0]) in RECORD[name]["properties"]
 
 
+def test_each_property_alone_is_the_same_induction(tools: Any, tmp_path: Path) -> None:
+    block = block_of(tools, "wishbone_interconnect")
+    for mutant in (None, block.mutants[0]):
+        folder = tmp_path / ("sound" if mutant is None else "faulty")
+        folder.mkdir()
+        made = tools("model").model(block, folder, mutant)
+        assert tools("alone").inductive(made, block.induction) == (mutant is None)
+        assert tools("solvers").inductive(made, block.induction) == (mutant is None)
+
+
 def test_a_fault_that_is_none_is_not_noticed(tools: Any) -> None:
     mutant = tools("block").Mutant("fifo.vhd", "loaded <= load or", "loaded <= load  or")
     with pytest.raises(ToolError, match="0 times instead of once"):

@@ -6,6 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+# Rows with the property file of another row, and other generics. Not a field of `Block`, because all
+# fields are in the digests of all blocks.
+SAME_FILE = {"frame_application_lists": "frame_application"}
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -18,7 +22,7 @@ class Mutant:
 
 @dataclass(frozen=True)
 class Block:
-    """One property file, gateware/formal/<name>_formal.vhd, and the questions for the solvers.
+    """One property file, gateware/formal/<top>.vhd, and the questions for the solvers.
 
     z3 searches for a violation within `depth` clocks from power-up, ABC within `deep` clocks. Two methods go
     beyond that. With `induction`, z3 shows that so many good clocks are followed by another one. With `pdr`,
@@ -53,7 +57,7 @@ class Block:
     loose: tuple[str, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)  # signal: output of the property file
     not_proven: str = ""  # what a reader may expect, but is not proven
-    guided: Mapping[str, int] = field(
+    guided: Mapping[str, int | str] = field(
         default_factory=dict
     )  # inputs that stand still on the way to the covers
     quick: bool = False  # also proven in the short form, which is a test
@@ -69,7 +73,7 @@ class Block:
     @property
     def top(self) -> str:
         """The entity of the property file."""
-        return f"{self.name}_formal"
+        return f"{SAME_FILE.get(self.name, self.name)}_formal"
 
     @property
     def searched(self) -> int:

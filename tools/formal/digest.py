@@ -13,6 +13,7 @@ from dataclasses import fields
 from functools import cache
 from pathlib import Path
 
+from alone import ALONE
 from block import Block
 from guides import GUIDES
 from merge import MERGED
@@ -32,6 +33,7 @@ _ASKS_GUIDED = _HERE / "guides.py"  # for blocks that have a guide there
 _ASKS_LARGE = _HERE / "large.py"  # for blocks that set one of these fields
 _ASKS_SWEPT = _HERE / "sweep.py"  # for the blocks that it names
 _ASKS_MERGED = _HERE / "merge.py"  # likewise
+_ASKS_ALONE = _HERE / "alone.py"  # likewise
 _LARGE = ("by_abc", "guided")
 _WORDS_ONLY = ("what", "not_proven", "quick")  # fields of a row that change no question
 
@@ -76,6 +78,8 @@ def _asks(block: Block) -> tuple[Path, ...]:
         asks = (*asks, _ASKS_GUIDED)
     if block.name in MERGED:
         asks = (*asks, _ASKS_MERGED)
+    if block.name in ALONE:
+        asks = (*asks, _ASKS_ALONE)
     return (*asks, _ASKS_SWEPT) if block.name in SWEPT else asks
 
 

@@ -19,6 +19,55 @@ _RING = (
     "record_in",
 )  # fmt: skip
 
+# Signals of the application that its property file sees.
+_APPLICATION = {
+    "instruction": "dut.instruction",
+    "finishes": "dut.finishes",
+    "jump": "dut.holds",
+    "begins": "dut.begins",
+    "steps": "dut.sequencer.step",
+    "fetches": "dut.sequencer.fetches",
+    "first_clock": "dut.judges",
+    "position": "dut.sequencer.position",
+    "choice": "dut.choice",
+    "caller": "dut.sequencer.caller",
+    "marks": "dut.marks",
+    "turns": "dut.sequencer.turns",
+    "sees_missing": "dut.judge.sees_missing",
+    "sees_not_new": "dut.judge.sees_not_new",
+    "sees_failed": "dut.judge.sees_failed",
+    "if_bytes": "dut.judge.if_bytes",
+    "if_bits": "dut.judge.if_bits",
+    "if_value": "dut.judge.if_value",
+    "if_above_low": "dut.judge.if_above_low",
+    "if_above_high": "dut.judge.if_above_high",
+    "if_place": "dut.judge.if_place",
+    "if_half": "dut.judge.if_half",
+    "if_state": "dut.judge.if_state",
+    "id": "dut.id",
+    "word_index": "dut.word_index",
+    "remember": "dut.remember",
+    "found": "dut.data",
+    "over": "dut.access_done",
+    "failed": "dut.failed",
+    "silent_bus": "dut.silent_bus",
+    "denied_write": "dut.denied_write",
+    "status_out": "dut.status_now",
+    "word": "dut.word",
+    "fresh": "dut.new_id",
+    "repeated": "dut.repeated",
+    "epoch_now": "dut.epoch_now",
+    "shape": "dut.shape",
+    "count": "dut.count",
+    "address": "dut.address",
+}
+
+_APPLICATION_WITHOUT = (
+    ("frame_application", "memory"),
+    ("frame_application", "cache"),
+    ("frame_application", "timer"),
+)
+
 FRAMED_BLOCKS = (
     Block(
         "frame_dispatcher",
@@ -217,54 +266,13 @@ FRAMED_BLOCKS = (
         by_abc=True,
         guided={"reply_ready": 1, "may_begin": 1, "receive_overrun": 0},
         reach=56,
-        without=(
-            ("frame_application", "memory"),
-            ("frame_application", "cache"),
-            ("frame_application", "timer"),
-        ),
+        without=_APPLICATION_WITHOUT,
         loose=("dut.pointer", "dut.epoch_now"),
         given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
-        seen={
-            "instruction": "dut.instruction",
-            "finishes": "dut.finishes",
-            "jump": "dut.holds",
-            "begins": "dut.begins",
-            "steps": "dut.sequencer.step",
-            "fetches": "dut.sequencer.fetches",
-            "first_clock": "dut.judges",
-            "position": "dut.sequencer.position",
-            "choice": "dut.choice",
-            "caller": "dut.sequencer.caller",
-            "marks": "dut.marks",
-            "turns": "dut.sequencer.turns",
-            "sees_missing": "dut.judge.sees_missing",
-            "sees_not_new": "dut.judge.sees_not_new",
-            "sees_failed": "dut.judge.sees_failed",
-            "if_bytes": "dut.judge.if_bytes",
-            "if_bits": "dut.judge.if_bits",
-            "if_value": "dut.judge.if_value",
-            "if_above_low": "dut.judge.if_above_low",
-            "if_above_high": "dut.judge.if_above_high",
-            "if_place": "dut.judge.if_place",
-            "if_half": "dut.judge.if_half",
-            "if_state": "dut.judge.if_state",
-            "id": "dut.id",
-            "word_index": "dut.word_index",
-            "remember": "dut.remember",
-            "found": "dut.data",
-            "over": "dut.access_done",
-            "failed": "dut.failed",
-            "silent_bus": "dut.silent_bus",
-            "denied_write": "dut.denied_write",
-            "status_out": "dut.status_now",
-            "word": "dut.word",
-            "fresh": "dut.new_id",
-            "repeated": "dut.repeated",
-            "epoch_now": "dut.epoch_now",
-        },
-        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access of a list once, "
-        "in order and after its whole form, no write for a repeat, which words an EXCHANGE has, and that "
-        "the dead-man denies them; words of the memory, such as an epoch: tests compare with the reference",
+        seen=_APPLICATION,
+        not_proven="that a task ends; lists: see frame_application_lists; EXCHANGE and publishing: each "
+        "access once and in order, no write for a repeat, which words an EXCHANGE has, and that the dead-man "
+        "denies them; words of the memory, such as an epoch: tests compare with the reference",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
@@ -323,6 +331,68 @@ FRAMED_BLOCKS = (
                 "frame_application.vhd",
                 "reads     <= finishes and not holds and",
                 "reads     <= finishes and",
+            ),
+        ),
+    ),
+    Block(
+        "frame_application_lists",
+        "`framed/frame_application` with its program, 8-bit address and data, dead-man, and lists",
+        depth=0,
+        deep=6,
+        induction=3,
+        by_abc=True,
+        guided={
+            "reset": "!begun",
+            "reply_ready": 1,
+            "reply_idle": 1,
+            "may_begin": 1,
+            "receive_overrun": 0,
+            "chained_in": 0,
+            "barrier_in": 0,
+            "response_data": 0,
+            "dead_man_running": 0,
+            "dead_man_tripped_now": 0,
+            "dead_man_uncounted": 0,
+        },
+        reach=56,
+        generics={"lists": True},
+        without=_APPLICATION_WITHOUT,
+        loose=("dut.pointer", "dut.epoch_now"),
+        given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
+        seen=_APPLICATION,
+        not_proven="that a task ends; the value that is written to a word which a mask or a sum changes; "
+        "which words a reply has; wider addresses and data; EXCHANGE and publishing; words of the memory, "
+        "such as an epoch: tests compare with the reference",
+        mutants=(
+            # A word more is written than the operation has.
+            Mutant(
+                "frame_list_pkg.vhd",
+                "take(take_data) or times(s.data_bytes) or act(do_write) or counted);",
+                "take(take_data) or times(s.data_bytes) or act(do_write));",
+            ),
+            # Reads are left out.
+            Mutant(
+                "frame_list_pkg.vhd",
+                "put(p, also(address_up, word_done) or act(if_not), if_some_left, run_last);",
+                "put(p, also(address_up, word_done), if_some_left, run_last);",
+            ),
+            # A list with a barrier is answered behind its first operation.
+            Mutant(
+                "frame_list_pkg.vhd",
+                "put(p, nothing_done, if_missing, list_passed);",
+                "put(p, nothing_done, if_barrier, list_passed);",
+            ),
+            # A list that was executed is forgotten.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "put(p, say(say_last) or number(device_kind_reply_c) or act(do_place) or act(do_done));",
+                "put(p, say(say_last) or number(device_kind_reply_c) or act(do_done));",
+            ),
+            # A repeated list writes again.
+            Mutant(
+                "frame_list_pkg.vhd",
+                "put(p, number(mark_repeated), if_mark, run_again);",
+                "put(p, number(mark_fifo), if_mark, run_again);",
             ),
         ),
     ),

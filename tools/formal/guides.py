@@ -56,26 +56,45 @@ _LOOSE = {
     "dut.turned": "1'd0",
 }
 
+_APPLICATION = (
+    # A WRITE_CONTROL that arms the dead-man: the last byte of its value is 1.
+    Guide(
+        "command_is_remembered_case",
+        80,
+        _INPUTS | {"entry_in": "9", "length_in": "8", "data": "taken == 7"},
+        _LOOSE,
+    ),
+    # A HELLO, and an OPEN after its answer.
+    Guide("trips_with_open_case", 90, _INPUTS | {"entry_in": "(kind == 208) ? 17 : 16", "data": "0"}, _LOOSE),
+    # A CLOSE.
+    Guide(
+        "renewed_with_session_case",
+        90,
+        _INPUTS | {"entry_in": "13", "length_in": "2", "data": "0"},
+        _LOOSE,
+    ),
+)
+
+# The bus answers at once. A LIST that reads two words, and a POST_LIST that writes one.
+_LIST = _INPUTS | {
+    "response_done": "bii[0]",
+    "entry_in": "5",
+    "length_in": "7",
+    "data": "(taken == 3) ? 1 : (taken == 4) ? 2 : 0",
+}
+_POST_LIST = _LIST | {"entry_in": "6", "length_in": "6", "data": "(taken == 2) ? 17 : (taken == 3) ? 1 : 0"}
+
+_AGAIN = _LOOSE | {"dut.new_id": "1'd0", "dut.repeated": "1'd1"}
+
 GUIDES: Mapping[str, tuple[Guide, ...]] = {
-    "frame_application": (
-        # A WRITE_CONTROL that arms the dead-man: the last byte of its value is 1.
-        Guide(
-            "command_is_remembered_case",
-            80,
-            _INPUTS | {"entry_in": "9", "length_in": "8", "data": "taken == 7"},
-            _LOOSE,
-        ),
-        # A HELLO, and an OPEN after its answer.
-        Guide(
-            "trips_with_open_case", 90, _INPUTS | {"entry_in": "(kind == 208) ? 17 : 16", "data": "0"}, _LOOSE
-        ),
-        # A CLOSE.
-        Guide(
-            "renewed_with_session_case",
-            90,
-            _INPUTS | {"entry_in": "13", "length_in": "2", "data": "0"},
-            _LOOSE,
-        ),
+    "frame_application": _APPLICATION,
+    "frame_application_lists": (
+        *_APPLICATION,
+        Guide("opens_what_is_next_case", 240, _LIST, _LOOSE),
+        Guide("list_ends_case", 240, _LIST, _LOOSE),
+        Guide("several_seen", 240, _LIST, _LOOSE),
+        Guide("again_seen", 240, _LIST, _AGAIN),
+        Guide("post_list_ends_case", 240, _POST_LIST, _LOOSE),
     ),
 }
 

@@ -13,6 +13,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any
 
+import alone
 import guides
 import large
 import merge
@@ -102,6 +103,8 @@ def _is_inductive(block: Block, made: Model) -> bool:
     assert block.induction is not None
     if block.name in merge.MERGED:
         return merge.inductive(made, block.induction)
+    if block.name in alone.ALONE:
+        return alone.inductive(made, block.induction)
     return (large.inductive if block.by_abc else inductive)(made, block.induction)
 
 
