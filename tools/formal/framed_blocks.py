@@ -270,10 +270,10 @@ FRAMED_BLOCKS = (
         loose=("dut.pointer", "dut.epoch_now"),
         given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
         seen=_APPLICATION,
-        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each "
-        "access once and in order (for lists the row frame_application_lists is under way: its properties hold and "
-        "its mutants are caught, but one of its covers is not reached), no write for a repeat, which words an EXCHANGE has, and that the dead-man "
-        "denies them; words of the memory, such as an epoch: tests compare with the reference",
+        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access once and in order, no "
+        "write for a repeat, which words an EXCHANGE has, and that the dead-man denies them; words of the memory, "
+        "such as an epoch: tests compare with the reference. For lists a row is under way, frame_application_lists: "
+        "its properties hold and its mutants are caught, but one of its covers is not reached",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
