@@ -270,10 +270,11 @@ FRAMED_BLOCKS = (
         loose=("dut.pointer", "dut.epoch_now"),
         given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
         seen=_APPLICATION,
-        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access once and in order, no "
-        "write for a repeat, which words an EXCHANGE has, and that the dead-man denies them; words of the memory, "
-        "such as an epoch: tests compare with the reference. For lists a row is under way, frame_application_lists: "
-        "its properties hold and its mutants are caught, but one of its covers is not reached",
+        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access once and in "
+        "order, no write for a repeat, which words an EXCHANGE has, and that the dead-man denies them; words "
+        "of the memory, such as an epoch: tests compare with the reference. For lists a row is under way, "
+        "frame_application_lists: its properties hold and its mutants are caught, but one of its covers is "
+        "not reached",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
@@ -337,8 +338,8 @@ FRAMED_BLOCKS = (
     ),
 )
 
-# All its properties hold (induction at depth 3), and its mutants are caught. But the cover judged_twice_most_case
-# is not reached within 56 clocks. So it counts as not proven, and has no record.
+# All its properties hold (induction at depth 3), and its mutants are caught. But the cover
+# judged_twice_most_case is not reached within 56 clocks. So it counts as not proven, and has no record.
 FRAMED_UNDER_WAY = (
     Block(
         "frame_application_lists",
