@@ -170,7 +170,7 @@ def test_a_stop_waits_for_no_write_that_hangs(monkeypatch: pytest.MonkeyPatch) -
         assert entered.wait(5)
         await one.press("space")
         await one.until(lambda: one.registers[TARGET] == 0)
-        assert "not answered yet" in one.text("banner")
+        assert "STOP" in one.text("banner") and not held.is_set()
         held.set()
         await one.until(lambda: "STOPPED" in one.notes and not one.controls.stopping)
         assert one.registers[TARGET] == 0, "the write that hung came after the stop"
