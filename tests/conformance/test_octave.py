@@ -194,7 +194,7 @@ def test_names_that_mean_something_in_matlab(octave: list[str | Path], tmp_path:
     awkward = compile_text(AWKWARD, "awkward.ul").spec
     assert awkward is not None
     (tmp_path / "program.m").write_text(AWKWARD_PROGRAM, encoding="utf-8")
-    with Board(awkward, endpoint="tcp") as board:
+    with Board(awkward, endpoint="tcp", plant=Still()) as board:
         (told,) = output(*octave, tmp_path / "program.m", board.url)
     assert told == "unitylink.initial: 6 µm is not in 0 to 5 µm; nothing was sent"
 
