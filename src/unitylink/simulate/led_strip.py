@@ -36,6 +36,7 @@ class LedStrip:
     @property
     def colours(self) -> list[tuple[int, ...]]:
         """What the LEDs show now: red, green, blue and perhaps white, each from 0 to 255."""
+        now_s = self._line.time_s()  # before the edges: none until then is left out, so a rest is one
         for at_s, level in self._line.edges("data"):
             if level:
                 self._rest(at_s)
@@ -43,7 +44,7 @@ class LedStrip:
             else:
                 self._bits.append(int(at_s - self._rose_s > _ONE_S))
                 self._fell_s = at_s
-        self._rest(self._line.time_s())
+        self._rest(now_s)
         parts = [
             int("".join(map(str, self._shown[first : first + 8])), 2)
             for first in range(0, len(self._shown), 8)

@@ -79,6 +79,8 @@ def test_what_is_written_while_its_lease_is_lost_is_made_safe_again(
     until(lambda: stamp.send(5) or rig.board.registers[STAMP] == 5)
 
     def lost_meanwhile(*what: Any) -> Any:
+        if what[2] != {"stamp": 7}:
+            return group(*what)  # an earlier one, which is still under way
         (visit,) = (one for one in guests.visits.all() if one.number == link._far.bridge.visit)
         guests._gone(visit, "of the test")
         until(lambda: rig.board.registers[STAMP] == 0)
