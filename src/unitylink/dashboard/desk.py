@@ -126,19 +126,26 @@ class Desk:
             unsafe = gate.unsafe()
         if unsafe:
             with self.switch.board:
-                for part in unsafe:
-                    self._make_safe(part)
+                self.make_safe(unsafe)
                 self._note_safe(unsafe)
 
-    def _make_safe(self, part: str) -> None:
+    def make_safe(self, parts: Iterable[str]) -> None:
+        """Write the SAFE values of all items of these parts together. The gate is not asked.
+
+        A part is the path of an item, or of what has items in it; "" is the whole robot. If the board has
+        tripped, it takes nothing, and has written all SAFE values itself. Raises LinkError.
+        """
+        parts = tuple(parts)
         safe = {
             path: value.quantity.safe
             for path, value in self._values.items()
-            if contains(part, path) and isinstance(value, WriteValue) and value.quantity.safe is not None
+            if isinstance(value, WriteValue)
+            and value.quantity.safe is not None
+            and any(contains(part, path) for part in parts)
         }
         if safe:
-            with suppress(DeadManTripped):  # then the board has written them all
-                ValueGroup({path: self._values[path] for path in safe}, part or self.robot.name).write(safe)
+            with suppress(DeadManTripped):
+                ValueGroup({path: self._values[path] for path in safe}, "safe").write(safe)
 
     def _note_safe(self, parts: tuple[str, ...]) -> None:
         with self.gate() as gate:

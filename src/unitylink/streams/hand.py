@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from unitylink.dashboard.desk import Desk
-from unitylink.errors import DeadManTripped, LinkTimeout, OutcomeUnknown, UnknownName, shown
-from unitylink.layer4_data import ValueGroup, WriteValue, load_spec_objects
+from unitylink.errors import LinkTimeout, OutcomeUnknown, UnknownName, shown
+from unitylink.layer4_data import load_spec_objects
 from unitylink.recording.json_messages import steps
 from unitylink.server.stop_switch import now
 
@@ -102,7 +101,7 @@ class Hand:
             if sent and not held:
                 # It was stopped, or lost its lease, while the write was under way. The SAFE values that came
                 # then may be older than the write.
-                _make_safe(desk, paths)
+                desk.make_safe(paths)
 
     def _flat(self, tree: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
         for name, value in tree.items():
@@ -123,15 +122,3 @@ def pulses(elements: Mapping[str, Element]) -> list[str]:
 def set_points(elements: Mapping[str, Element]) -> dict[str, Element]:
     """Return what can be set to a value, by path."""
     return {path: one for path, one in elements.items() if one.access in ("WRITE", "READWRITE")}
-
-
-def _make_safe(desk: Desk, paths: Collection[str]) -> None:
-    values = {value.path: value for value in desk.robot if value.path in paths}
-    safe = {
-        path: value.quantity.safe
-        for path, value in values.items()
-        if isinstance(value, WriteValue) and value.quantity.safe is not None
-    }
-    if safe:
-        with suppress(DeadManTripped):  # then the board has written them all
-            ValueGroup({path: values[path] for path in safe}, "safe").write(safe)

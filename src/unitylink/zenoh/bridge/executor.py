@@ -6,13 +6,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from unitylink.dashboard.desk import Desk
 from unitylink.errors import (
     AccessRefused,
-    DeadManTripped,
     LinkTimeout,
     OutcomeUnknown,
     UnknownName,
@@ -183,13 +181,8 @@ class Executor:
         with desk.gate() as gate:
             steady_s = now().steady_s
             lost = [path for path in paths if not gate.leases.may_write(client.number, path, steady_s)]
-        values = {one.path: one for one in desk.robot if isinstance(one, WriteValue)}
-        wanted = set(values) if WHOLE in lost else set(lost)
-        safe = {path: values[path].quantity.safe for path in wanted if path in values}
-        safe = {path: value for path, value in safe.items() if value is not None}
-        if safe:
-            with suppress(DeadManTripped):  # then the board has written them all
-                ValueGroup({path: values[path] for path in safe}, "safe").write(safe)
+        if lost:
+            desk.make_safe(lost)
 
     def _group(self, desk: Desk, part: str, paths: Iterable[str]) -> ValueGroup:
         with self._lock:
