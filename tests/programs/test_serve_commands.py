@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from unit.dashboard.robot import TEXT
+from unit.dashboard.robot import TEXT, Log
 from unit.dashboard.robot import Robot as Page
 from unit.streams.test_foxglove import Client
 from unit.streams.test_mqtt import Mosquitto, person
@@ -44,7 +44,7 @@ def test_they_serve_the_page(tmp_path: Path) -> None:
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
             assert running.stdout is not None and running.stderr is not None
             told = json.loads(running.stdout.readline())
-            page = Page(None, None, None, [])  # type: ignore[arg-type]
+            page = Page(None, None, None, Log())  # type: ignore[arg-type]
             page.host = (told.get("page") or told["url"]).partition("//")[2]
             assert page.request("POST", "/login", {"token": told["token"]})[0] == 204
             assert page.request("GET", "/")[0] == 200

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
 from unitylink.fleet.report import HEADERS, RIGHT
+from unitylink.line_writer import LineWriter
 
 from .output import plain_table, terminal
 
@@ -31,18 +31,15 @@ _STATE_MOST = 60  # characters
 class News:
     """What happened, with the time since the start. Printed soon, unless a table shows it.
 
-    A thread of its own prints, so that a reader who does not read holds up nobody who looks after robots.
-    Beyond _WAITING_MOST lines, the oldest that wait are left out, and counted. `failed` is the error of the
-    last line that could not be printed.
+    A `LineWriter` prints, so that a reader who does not read holds up nobody who looks after robots. Beyond
+    _WAITING_MOST lines, the oldest that wait are left out, and a line says how many. `failed` is the error of
+    the last line that could not be printed.
     """
 
     def __init__(self) -> None:
         self._began_s = time.monotonic()
-        self._changed = threading.Condition()  # guards what follows
-        self._waiting: deque[str] = deque()
-        self._left_out = 0
-        self._printing = False
-        self._printer: threading.Thread | None = None
+        self._printer = LineWriter(self._print, most=_WAITING_MOST, tell_left_out=self._tell_left_out)
+        self._lock = threading.Lock()  # guards `last`
         self.last: list[str] = []
         self.quiet = False
         self.failed: OSError | None = None
@@ -50,43 +47,28 @@ class News:
     def say(self, robot: str, text: str) -> None:
         """Take one. Any thread may call this. It goes on if nobody reads any more."""
         line = f"{time.monotonic() - self._began_s:6.1f} s  {robot}: {text}"
-        with self._changed:
+        with self._lock:
             self.last = [*self.last[-_NEWS + 1 :], line]
-            if self.quiet:
-                return
-            if len(self._waiting) == _WAITING_MOST:
-                self._waiting.popleft()
-                self._left_out += 1
-            self._waiting.append(line)
-            if self._printer is None:
-                self._printer = threading.Thread(target=self._print, name="fleet news", daemon=True)
-                self._printer.start()
-            self._changed.notify_all()
+        if not self.quiet:
+            self._printer.write(line)
 
     def finish(self, within_s: float) -> None:
-        """Wait until all is printed, or the time is over."""
-        with self._changed:
-            self._changed.wait_for(lambda: not (self._waiting or self._printing), within_s)
+        """Wait until all is printed, or the time is over. What comes later is not printed."""
+        self._printer.close(within_s)
 
     def check(self) -> None:
         """Raise the OSError of a line that could not be printed. For the main thread."""
         if self.failed is not None:
             raise self.failed
 
-    def _print(self) -> None:
-        while True:
-            with self._changed:
-                self._printing = False
-                self._changed.notify_all()
-                self._changed.wait_for(lambda: self._waiting)
-                line, self._printing = self._waiting.popleft(), True
-                if self._left_out:
-                    line = f"{self._left_out} older lines are left out: nobody has read them in time\n{line}"
-                    self._left_out = 0
-            try:
-                click.echo(line)
-            except OSError as error:
-                self.failed = error
+    def _tell_left_out(self, count: int) -> None:
+        self._print(f"{count} older lines are left out: nobody has read them in time")
+
+    def _print(self, line: str) -> None:
+        try:
+            click.echo(line)
+        except OSError as error:
+            self.failed = error
 
 
 def rows(reports: Sequence[RobotReport]) -> list[tuple[str, ...]]:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
 from unitylink.errors import BindingError
@@ -38,16 +38,17 @@ def open_dashboard(
 ) -> Iterator[Dashboard]:
     """Serve the page of a robot within a `with` block. `put` gets the lines of the audit log.
 
-    Raises BindingError if the spec has several boards and `root` chooses none, and ToolError if a package is
-    absent.
+    A thread of its own calls `put`, so that a log on a disk that hangs holds up no stop. Raises BindingError
+    if the spec has several boards and `root` chooses none, and ToolError if a package is absent.
 
         with open_dashboard(link, spec, tokens, print) as page:
             print(page.url)
     """
     chosen = board_of(spec, root)
-    gate = Gate(chosen.name, chosen, tokens, Audit(put))
-    with page_of(link, spec, gate, place=place, root=root, read_hz=read_hz, extras=extras) as page:
-        yield page
+    with closing(Audit(put, apart=True)) as audit:
+        gate = Gate(chosen.name, chosen, tokens, audit)
+        with page_of(link, spec, gate, place=place, root=root, read_hz=read_hz, extras=extras) as page:
+            yield page
 
 
 @contextmanager

@@ -6,10 +6,10 @@ from __future__ import annotations
 import contextlib
 import datetime
 import json
-import queue
 import sys
-import threading
 from collections.abc import Callable
+
+from unitylink.line_writer import LineWriter
 
 MOST = 10_000  # lines that wait for a slow disk or terminal
 _LAST_S = 1.0  # how long the end waits for them
@@ -29,8 +29,8 @@ class Audit:
     its users come before the log, so nothing ends because of that. It is said on stderr once, until a line
     can be written again.
 
-    With `apart`, a thread of its own writes. So nobody waits for a disk or a terminal that hangs, and a stop
-    least of all. Then `close` it.
+    With `apart`, a `LineWriter` writes, until `close`. So nobody waits for a disk or a terminal that hangs,
+    and a stop least of all. If MOST lines wait, the oldest is left out, and is one of `unwritten`.
 
     >>> Audit(print).line("login", 0.0, user="ana", where="127.0.0.1:4000")
     {"time": "1970-01-01T00:00:00.000Z", "event": "login", "user": "ana", "where": "127.0.0.1:4000"}
@@ -38,20 +38,19 @@ class Audit:
 
     def __init__(self, put: Callable[[str], object], *, apart: bool = False) -> None:
         self._put = put
-        self.unwritten = 0
+        self._failed = 0
         self._failing = False
-        self._waiting: queue.Queue[str | None] = queue.Queue(MOST)
-        self._thread: threading.Thread | None = None
-        if apart:
-            self._thread = threading.Thread(target=self._work, name="audit", daemon=True)
-            self._thread.start()
+        self._writer = LineWriter(self._write, most=MOST, tell_left_out=_tell_left_out) if apart else None
+
+    @property
+    def unwritten(self) -> int:
+        """How many lines are not in the log."""
+        return self._failed + (self._writer.left_out if self._writer else 0)
 
     def close(self) -> None:
         """Write the lines that wait, if that takes no longer than 1 s."""
-        if self._thread is not None:
-            with contextlib.suppress(queue.Full):
-                self._waiting.put_nowait(None)
-            self._thread.join(_LAST_S)
+        if self._writer is not None:
+            self._writer.close(_LAST_S)
 
     def line(self, event: str, now_s: float, **facts: object) -> None:
         """Write one event. `now_s` is in s since 1970. Facts that are None are left out."""
@@ -64,29 +63,26 @@ class Audit:
             **{name: fact for name, fact in facts.items() if fact is not None},
         }
         text = json.dumps(entry, ensure_ascii=True, default=str)
-        if self._thread is None:
+        if self._writer is None:
             self._write(text)
-            return
-        try:
-            self._waiting.put_nowait(text)
-        except queue.Full:
-            self.unwritten += 1
-
-    def _work(self) -> None:
-        while (text := self._waiting.get()) is not None:
-            self._write(text)
+        else:
+            self._writer.write(text)
 
     def _write(self, text: str) -> None:
         try:
             self._put(text)
         except (OSError, ValueError) as error:  # ValueError: the end has closed it
             why = getattr(error, "strerror", None) or error
-            self.unwritten += 1
+            self._failed += 1
             if not self._failing:
                 complain(f"a line of the log cannot be written: {why}; lines are lost")
             self._failing = True
         else:
             self._failing = False
+
+
+def _tell_left_out(count: int) -> None:
+    complain(f"{count} older lines of the log are left out: what it is written to was too slow")
 
 
 def complain(text: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -74,10 +75,33 @@ class Still:
     def step(self, time_s: float) -> None: ...
 
 
-class Robot:
-    """A virtual board, its link and its dashboard. `log` has the lines of the audit log."""
+class Log:
+    """An audit log. It takes no line while `flows` is not set, as a disk that hangs."""
 
-    def __init__(self, board: Board, link: Link, page: Dashboard, log: list[str]) -> None:
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.flows = threading.Event()
+        self.flows.set()
+
+    def put(self, line: str) -> None:
+        self.flows.wait(60)
+        self.lines.append(line)
+
+    def until(self, event: str, **facts: Any) -> list[dict[str, Any]]:
+        """Return the entries of this event, once the last one has these facts."""
+        end_s = time.monotonic() + 20
+        while True:
+            found = [one for one in map(json.loads, self.lines[:]) if one["event"] == event]
+            if found and facts.items() <= found[-1].items():
+                return found
+            assert time.monotonic() < end_s, f"no {event} with {facts}: {found[-3:]}"
+            time.sleep(0.005)
+
+
+class Robot:
+    """A virtual board, its link and its dashboard. `log` is its audit log."""
+
+    def __init__(self, board: Board, link: Link, page: Dashboard, log: Log) -> None:
         self.board, self.link, self.page, self.log = board, link, page, log
         self.host = page.url.partition("//")[2] if page else ""
 
@@ -176,7 +200,7 @@ def robot(
     **board: Any,
 ) -> Iterator[Robot]:
     """Serve the dashboard of a virtual board, by default of TEXT. Nothing moves without a plant."""
-    log: list[str] = []
+    log = Log()
     made = spec if spec is not None else compiled()
     with ExitStack() as stack:
         configuration = BoardConfiguration.for_spec(made)
@@ -184,7 +208,7 @@ def robot(
         served = stack.enter_context(Board(made, configuration=configuration, plant=plant, **board))
         link = stack.enter_context(connect(served.url + options))
         page = stack.enter_context(
-            open_dashboard(link, made, tokens(), log.append, place=place, read_hz=20.0, extras=extras)
+            open_dashboard(link, made, tokens(), log.put, place=place, read_hz=20.0, extras=extras)
         )
         yield Robot(served, link, page, log)
 
@@ -192,10 +216,10 @@ def robot(
 @contextmanager
 def simulated(file: Path, plant: str, extras: Extras | None = None) -> Iterator[Robot]:
     """Serve the dashboard of a `sim:` link, whose time is that of the robot, however busy the machine is."""
-    log: list[str] = []
+    log = Log()
     with ExitStack() as stack:
         link = stack.enter_context(connect(f"sim:{file}?plant={plant}"))
         page = stack.enter_context(
-            open_dashboard(link, load(file), tokens(), log.append, read_hz=20.0, extras=extras)
+            open_dashboard(link, load(file), tokens(), log.put, read_hz=20.0, extras=extras)
         )
         yield Robot(link.board, link, page, log)

@@ -33,7 +33,8 @@ def arm() -> Iterator[Robot]:
 def test_a_wrong_token_is_refused_and_told_in_the_audit_log(arm: Robot) -> None:
     status, headers, body = arm.request("POST", "/login", {"token": "guess"})
     assert status == 403 and b"does not know this token" in body and "set-cookie" not in headers
-    assert '"refused"' in arm.log[-1] and "guess" not in "".join(arm.log)
+    arm.log.until("refused", action="login")
+    assert "guess" not in "".join(arm.log.lines)
     for nonsense in ({}, [], {"token": 5}, "x", {"token": "y" * 5000}):
         assert arm.request("POST", "/login", nonsense)[0] in (400, 403)
 
@@ -63,6 +64,16 @@ def test_a_foreign_page_is_refused_everywhere(arm: Robot) -> None:
             ).close()
         assert refused.value.response.status_code == 403
     assert arm.request("POST", "/stop", origin=f"http://{arm.host}", cookie=cookie)[0] == 200
+
+
+def test_a_log_that_hangs_holds_up_no_stop(arm: Robot) -> None:
+    arm.log.flows.clear()
+    try:
+        assert arm.request("POST", "/stop", cookie=arm.log_in("dan"))[0] == 200
+        assert not any('"stop"' in line and '"dan"' in line for line in arm.log.lines)
+    finally:
+        arm.log.flows.set()
+    arm.log.until("stop", user="dan")
 
 
 def test_a_socket_without_a_session_is_told_why(arm: Robot) -> None:

@@ -70,7 +70,7 @@ def test_all_items_are_recorded_with_their_times(arm: Robot, ending: str) -> Non
     if ending == ".mcap":
         made = origin(path)
         assert (made.name, made.text, made.units["j1.angle"]) == ("arm.ul", "// the text", "deg")
-    log = [json.loads(line) for line in arm.log if '"record"' in line][-2:]
+    log = arm.log.until("record", file=name, what="ended")[-2:]
     assert [(one["user"], one["file"], one["what"]) for one in log] == [
         ("cem", name, "began"),
         ("cem", name, "ended"),
@@ -95,7 +95,7 @@ def test_a_recording_is_listed_saved_and_deleted(arm: Robot) -> None:
             assert "cem may not admin" in cem.ask("delete_recording", name=name)
         assert viewer.ask("delete_recording", name=name) == ""
         assert not path.exists() and name not in [one["name"] for one in kept(arm)]
-    assert '"deleted"' in [line for line in arm.log if '"record"' in line][-1]
+    arm.log.until("record", file=name, what="deleted")
 
 
 @pytest.mark.parametrize(

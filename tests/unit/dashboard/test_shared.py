@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from unit.dashboard.robot import TEXT
+from unit.dashboard.robot import TEXT, Log
 from unit.dashboard.robot import Robot as Page
 from unit.server.served import Served, served
 
@@ -33,7 +33,7 @@ def both() -> Iterator[tuple[Served, Page]]:
             page_of(link, one.robot.spec, one.robot.gate, one.robot.switch, reader=reader)
         )
         page.app.logins = RateLimit(1000, 1000)
-        yield one, Page(one.board, link, page, one.lines)
+        yield one, Page(one.board, link, page, Log())
 
 
 def test_two_programs_and_a_page_share_a_board(both: tuple[Served, Page]) -> None:

@@ -125,8 +125,7 @@ def test_writes_need_control_and_reach_the_board_together(arm: Robot) -> None:
         ana.until(lambda: [one["holder"] for one in ana.state("leases")] == ["owner"])
         assert ana.ask("release", part="") == ""
         assert cem.ask("write", values={"j1.target": 1}) == ""
-    written = [json.loads(line) for line in arm.log if '"write"' in line]
-    assert written[-1]["user"] == "cem" and written[-1]["values"] == {"j1.target": 1}
+    arm.log.until("write", user="cem", values={"j1.target": 1})
 
 
 def test_wide_numbers_travel_as_texts(arm: Robot) -> None:
