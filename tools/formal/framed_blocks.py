@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from block import Block, Mutant
 
 # Signals of the transmitter that its property file sees.
@@ -67,6 +69,19 @@ _APPLICATION_WITHOUT = (
     ("frame_application", "cache"),
     ("frame_application", "timer"),
 )
+
+# What both rows of the framed application have in common.
+_COMPOSED: dict[str, Any] = {
+    "depth": 0,
+    "deep": 6,
+    "induction": 3,
+    "by_abc": True,
+    "reach": 56,
+    "without": _APPLICATION_WITHOUT,
+    "loose": ("dut.pointer", "dut.epoch_now"),
+    "given": {"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
+    "seen": _APPLICATION,
+}
 
 FRAMED_BLOCKS = (
     Block(
@@ -260,21 +275,12 @@ FRAMED_BLOCKS = (
     Block(
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, dead-man, no lists and groups",
-        depth=0,
-        deep=6,
-        induction=3,
-        by_abc=True,
         guided={"reply_ready": 1, "may_begin": 1, "receive_overrun": 0},
-        reach=56,
-        without=_APPLICATION_WITHOUT,
-        loose=("dut.pointer", "dut.epoch_now"),
-        given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
-        seen=_APPLICATION,
-        not_proven="that a task ends; LIST, POST_LIST, EXCHANGE and publishing: each access once and in "
-        "order, no write for a repeat, which words an EXCHANGE has, and that the dead-man denies them; words "
-        "of the memory, such as an epoch: tests compare with the reference. For lists a row is under way, "
-        "frame_application_lists: its properties hold and its mutants are caught, but one of its covers is "
-        "not reached",
+        **_COMPOSED,
+        not_proven="that a task ends; LIST and POST_LIST, which have a row of their own "
+        "(frame_application_lists); EXCHANGE and publishing: each access once and in order, no write for a "
+        "repeat, which words an EXCHANGE has, and that the dead-man denies them; words of the memory, such "
+        "as an epoch: tests compare with the reference",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
@@ -336,18 +342,9 @@ FRAMED_BLOCKS = (
             ),
         ),
     ),
-)
-
-# All its properties hold (induction at depth 3), and its mutants are caught. But the cover
-# judged_twice_most_case is not reached within 56 clocks. So it counts as not proven, and has no record.
-FRAMED_UNDER_WAY = (
     Block(
         "frame_application_lists",
         "`framed/frame_application` with its program, 8-bit address and data, dead-man, and lists",
-        depth=0,
-        deep=6,
-        induction=3,
-        by_abc=True,
         guided={
             "reset": "!begun",
             "reply_ready": 1,
@@ -361,12 +358,8 @@ FRAMED_UNDER_WAY = (
             "dead_man_tripped_now": 0,
             "dead_man_uncounted": 0,
         },
-        reach=56,
         generics={"lists": True},
-        without=_APPLICATION_WITHOUT,
-        loose=("dut.pointer", "dut.epoch_now"),
-        given={"dut.sequencer.fetched": "fetched", "dut.sequencer.now_done": "executed"},
-        seen=_APPLICATION,
+        **_COMPOSED,
         not_proven="that a task ends; the value that is written to a word which a mask or a sum changes; "
         "which words a reply has; wider addresses and data; EXCHANGE and publishing; words of the memory, "
         "such as an epoch: tests compare with the reference",

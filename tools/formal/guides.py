@@ -86,10 +86,14 @@ _POST_LIST = _LIST | {"entry_in": "6", "length_in": "6", "data": "(taken == 2) ?
 
 _AGAIN = _LOOSE | {"dut.new_id": "1'd0", "dut.repeated": "1'd1"}
 
+# A READ behind a barrier: its id is judged with its form, and again before the access.
+_BARRIER = _INPUTS | {"barrier_in": "1", "entry_in": "2", "length_in": "5", "data": "0"}
+
 GUIDES: Mapping[str, tuple[Guide, ...]] = {
     "frame_application": _APPLICATION,
     "frame_application_lists": (
         *_APPLICATION,
+        Guide("judged_twice_most_case", 120, _BARRIER, _LOOSE),
         Guide("opens_what_is_next_case", 240, _LIST, _LOOSE),
         Guide("list_ends_case", 240, _LIST, _LOOSE),
         Guide("several_seen", 240, _LIST, _LOOSE),

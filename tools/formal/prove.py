@@ -19,7 +19,7 @@ import large
 import merge
 import sweep
 from block import Block, Mutant
-from blocks import BLOCKS, UNDER_WAY
+from blocks import BLOCKS
 from digest import digest, stale
 from model import Model, model, unreachable
 from page import page, table
@@ -193,7 +193,7 @@ def main() -> int:
     parser.add_argument(
         "--blocks",
         nargs="+",
-        choices=[*names, *(block.name for block in UNDER_WAY)],
+        choices=names,
         help="these only; the others keep their figures",
     )
     parser.add_argument("--stale", action="store_true", help="only those whose sources have changed since")
@@ -201,7 +201,7 @@ def main() -> int:
     arguments = parser.parse_args()
     known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
     wanted = stale(BLOCKS, known) if arguments.stale else arguments.blocks or names
-    blocks = [block for block in (*BLOCKS, *UNDER_WAY) if block.name in wanted]
+    blocks = [block for block in BLOCKS if block.name in wanted]
     results, wrong = run_all(blocks, arguments.jobs)
     print("\n" + table(blocks, results))
     for text in wrong:
