@@ -13,6 +13,8 @@ namespace {
 constexpr std::uint64_t call_patience_ns = 250'000;      // after a call, because another call may soon follow
 constexpr std::uint64_t leader_patience_ns = 1'000'000;  // while there is a leader, who may leave without a signal
 constexpr std::uint64_t reader_patience_ns = 4'000'000;  // after a wait for publishes, because another may soon follow
+// The reader looks less often while those who wait for publishes always come back in time: twice as long each time.
+constexpr std::uint64_t reader_patience_most_ns = 32'000'000;
 constexpr std::uint64_t gone_patience_ns = 100'000'000;  // while the line is gone
 
 // The reader rests while another thread has waited for publishes for this long.
@@ -102,6 +104,7 @@ void Link::listen(Lock& lock, std::uint64_t timeout_ns, Ready ready) {
 
 void Link::read_loop() noexcept {
   Lock lock(mutex_);
+  std::uint64_t patience_ns = reader_patience_ns;
   while (reader_wanted_ && !engine_->ended()) {
     if (line_ != Line::up) {
       reopen(lock);
@@ -118,9 +121,11 @@ void Link::read_loop() noexcept {
       idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), reader_look_ns)));
       reader_rests_ = false;
     } else if (listeners_ > 0 || heard_ns < reader_patience_ns) {
-      idle_.wait_for(lock, std::chrono::nanoseconds(reader_patience_ns));
+      idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), patience_ns)));
+      patience_ns = std::min(2 * patience_ns, reader_patience_most_ns);
     } else {
       stand_in(lock, idle_, look);
+      patience_ns = reader_patience_ns;
     }
   }
   hand_over();

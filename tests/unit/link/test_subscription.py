@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import queue
 import threading
 import time
+from pathlib import Path
 from typing import Any, cast
 
 import pytest
@@ -342,3 +344,26 @@ def test_the_callback_thread_rests_only_if_that_gathers_publishes(
     thread.stop()
     assert stream.told > 5
     assert len(rested) >= 3 if rests else not rested
+
+
+def test_a_thread_that_reads_all_publishes_does_not_wake_the_reader_for_each() -> None:
+    """At 100 Hz the reader looked 250 times a second whether it was needed."""
+
+    def switches(thread: str) -> int:
+        state = Path(f"/proc/self/task/{thread}/status").read_text()
+        return int(state.partition("\nvoluntary_ctxt_switches:")[2].split()[0])
+
+    came = threading.Semaphore(0)
+    with Board(configuration=BoardConfiguration(), endpoint="tcp") as board:
+        others = set(os.listdir("/proc/self/task"))
+        with Link(board.url) as link:
+            subscription = link.subscribe([1], divisor=10)  # of 1 kHz
+            subscription.on_publish(lambda time_s, words: came.release())
+            for _ in range(20):
+                assert came.acquire(timeout=10)
+            callbacks = {str(one.native_id) for one in threading.enumerate()}
+            (reader,) = set(os.listdir("/proc/self/task")) - others - callbacks
+            before = switches(reader)
+            for _ in range(100):
+                assert came.acquire(timeout=10)
+            assert switches(reader) - before < 100

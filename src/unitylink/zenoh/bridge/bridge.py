@@ -160,7 +160,7 @@ class Bridge:
             fixed(name): self._teller(fixed(name), text) for name, text in texts.items()
         }
         answers[fixed("hello")] = answers[fixed("hello_read")] = self._guests.hello
-        stack.callback(Queries(session, answers, self.refusals, threads=2).close)
+        stack.callback(Queries(session, answers, self.refusals, threads=3).close)
         stack.callback(Queries(session, {fixed("clock"): self._clock}, self.refusals).close)
         do = {self.keys.request(self.id): self._requests.answer}
         stack.callback(Queries(session, do, self.refusals, threads=4).close)

@@ -6,7 +6,9 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING
 
 from unitylink.errors import LinkError, UnityLinkError
 
@@ -36,6 +38,9 @@ class Queries:
 
     If it returns KEPT, it answers later, and drops the query itself. Beyond WAITING_MAX, the oldest queries
     that wait get no answer: who asked may ask again. No network thread waits for a board.
+
+    The queries of all keys wait in one line, which `threads` threads serve. They sleep until a query comes: a
+    thread that waits at a handler of Zenoh wakes ten times a second, and a robot has many keys.
     """
 
     def __init__(
@@ -46,40 +51,42 @@ class Queries:
         *,
         threads: int = 1,
     ) -> None:
-        import zenoh
-
         self._refusals = refusals
         self._closed = False
-        self._queryables: list[Any] = []
-        self._threads: list[threading.Thread] = []
-        for key, answer in answers.items():
-            queryable = session.declare_queryable(key, zenoh.handlers.RingChannel(WAITING_MAX))
-            self._queryables.append(queryable)
-            self._threads += [
-                threading.Thread(
-                    target=self._work, args=(queryable, answer), name=f"zenoh {key}", daemon=True
-                )
-                for _ in range(threads)
-            ]
+        self._waiting: SimpleQueue[tuple[zenoh.Query, Answer] | None] = SimpleQueue()
+        self._queryables = [
+            session.declare_queryable(key, self._taker(answer)) for key, answer in answers.items()
+        ]
+        names = f"zenoh {' '.join(answers)}"
+        self._threads = [threading.Thread(target=self._work, name=names, daemon=True) for _ in range(threads)]
         for thread in self._threads:
             thread.start()
 
     def close(self) -> None:
-        """Answer no more."""
+        """Answer no more. A query that waits gets no answer."""
         self._closed = True
         for queryable in self._queryables:
             queryable.undeclare()
+        for _ in self._threads:
+            self._waiting.put(None)
         for thread in self._threads:
             thread.join()
 
-    def _work(self, queryable: Any, answer: Answer) -> None:
-        import zenoh
+    def _taker(self, answer: Answer) -> Callable[[zenoh.Query], None]:
+        waiting = self._waiting
 
-        while not self._closed:
-            try:
-                query = queryable.handler.recv()
-            except zenoh.ZError:  # it was undeclared
-                return
+        def take(query: zenoh.Query) -> None:
+            if waiting.qsize() >= WAITING_MAX:
+                with suppress(Empty):  # a thread was faster
+                    waiting.get_nowait()
+            if not self._closed:
+                waiting.put((query, answer))
+
+        return take
+
+    def _work(self) -> None:
+        while (one := self._waiting.get()) is not None and not self._closed:
+            query, answer = one
             kept = None
             try:
                 kept = answer(query)
@@ -92,6 +99,7 @@ class Queries:
             finally:
                 if kept is not KEPT:
                     query.drop()
+                del one, query  # else it is kept until the next one comes
 
     def _refuse(self, query: zenoh.Query, reason: str, error: UnityLinkError) -> None:
         self._refusals.add(reason, f"{query.key_expr}: {error}")
