@@ -86,6 +86,7 @@ def command(
     """
     from unitylink.dashboard.opening import board_of, open_dashboard
     from unitylink.dashboard.place import read_place
+    from unitylink.server.audit import complain
 
     place = read_place(listen, names, tls_files_of(tls_cert, tls_key, tls_ca))
     if place.exposed and not anyone:
@@ -99,7 +100,10 @@ def command(
         target = stack.enter_context(open_target(link, spec_file, quiet=True))
         if target.spec is None:
             raise Failure("the page is made from a spec", "add --spec FILE.ul")
-        more = page_extras(board_of(target.spec, root), target.names.source, **extras)
+        board = board_of(target.spec, root)
+        for text in tokens.vain_scopes(board):
+            complain(text)
+        more = page_extras(board, target.names.source, **extras)
         page = stack.enter_context(
             open_dashboard(
                 target.link, target.spec, tokens, put, place=place, root=root, read_hz=rate_hz, extras=more
@@ -120,7 +124,8 @@ def command(
 def _tokens(path: str | None) -> tuple[Tokens, str]:
     """Return the tokens of a file, or a fresh one for everything, and this one as text."""
     from unitylink.server.scopes import Rights
-    from unitylink.server.tokens import Tokens, User, digest, load_tokens, new_token
+    from unitylink.server.token_file import load_tokens
+    from unitylink.server.tokens import Tokens, User, digest, new_token
 
     if path is not None:
         return load_tokens(path), ""

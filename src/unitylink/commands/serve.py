@@ -128,7 +128,7 @@ def command(
       UNITYLINK_TOKEN=... unitylink watch serve://127.0.0.1:7450/arm --spec arm.ul
     """
     from unitylink.dashboard.place import read_place
-    from unitylink.server.audit import Audit
+    from unitylink.server.audit import Audit, complain
     from unitylink.server.log_file import LogFile, check_writable
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
@@ -154,6 +154,8 @@ def command(
             "choose one with --root",
         )
     tokens, fresh = _tokens(token_file)
+    for text in tokens.vain_scopes(spec.roots[0]):
+        complain(text)
     streams = StreamOptions(foxglove, mqtt, mqtt_password_file, plotjuggler, zenoh, may, tls)
     streams.check(spec.roots[0], anyone=anyone)
     known = len(tokens)
@@ -267,7 +269,8 @@ def _tokens(path: str | None) -> tuple[Tokens, str]:
     """Return the tokens of the file, or a fresh one for everything."""
     from unitylink.errors import UnityLinkError
     from unitylink.server.scopes import Rights
-    from unitylink.server.tokens import Tokens, User, chosen_token, digest, load_tokens, new_token
+    from unitylink.server.token_file import load_tokens
+    from unitylink.server.tokens import Tokens, User, chosen_token, digest, new_token
 
     if path is not None:
         return load_tokens(path), ""

@@ -31,7 +31,8 @@ def command(name: str, scopes: tuple[str, ...], expires: str | None, path: str |
       unitylink token lab admin
     """
     from unitylink.errors import UnityLinkError
-    from unitylink.server.tokens import digest, load_tokens, new_token, parse_tokens
+    from unitylink.server.token_file import load_tokens, parse_tokens
+    from unitylink.server.tokens import digest, new_token
 
     day = None
     if expires is not None:
@@ -44,13 +45,14 @@ def command(name: str, scopes: tuple[str, ...], expires: str | None, path: str |
     lines.append(f"scopes = {json.dumps(list(scopes))}")
     lines += [f"expires = {day.isoformat()}"] if day else []
     entry = "\n".join(lines) + "\n"
+    parse_tokens(entry, "the entry")
     if path is None:
-        parse_tokens(entry, "the entry")
         click.echo(f"Add this entry to the file of tokens:\n\n{entry}\nThe token of {name}:", err=True)
     else:
         before = ""
         if os.path.exists(path):
-            load_tokens(path)
+            if name in load_tokens(path).names():
+                raise UnityLinkError(f"{path} has a token of {name}; take another name, or remove it there")
             with open(path, encoding="utf-8") as file:
                 before = file.read().rstrip("\n") + "\n\n"
         parse_tokens(before + entry, path)

@@ -22,12 +22,16 @@ def spec(tmp_path: Path) -> str:
 
 def test_a_checked_configuration(spec: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     tokens = tmp_path / "tokens.toml"
-    assert main(["token", "ana", "read", "--file", str(tokens)]) == 0
+    assert main(["token", "ana", "read", "write nothing.*", "--file", str(tokens)]) == 0
     links = ["left=tcp://127.0.0.1:1", "right=serial:/dev/none?baud=9600"]
     capsys.readouterr()
     assert main(["serve", *links, spec, "--token-file", str(tokens), "--listen", "9", "--check-config"]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told == [
+    told, warned = capsys.readouterr()
+    assert warned == (
+        f"warning: {tokens}, line 4: token 1 (ana): `write nothing.*` allows nothing: the robot has no part "
+        "'nothing'\n"
+    )
+    assert told.splitlines() == [
         "tcp://127.0.0.1:1 at serve://127.0.0.1:9/left",
         "serial:/dev/none?baud=9600 at serve://127.0.0.1:9/right",
         "1 token",

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from unitylink.cli import main
-from unitylink.server.tokens import load_tokens, parse_tokens
+from unitylink.server.token_file import load_tokens, parse_tokens
 
 
 def test_a_printed_token_logs_in_by_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -54,5 +54,5 @@ def test_a_name_that_is_there_is_refused(tmp_path: Path, capsys: pytest.CaptureF
     assert main(["token", "ana", "read", "--file", str(path)]) == 0
     before = path.read_text()
     assert main(["token", "ana", "admin", "--file", str(path)]) == 1
-    assert "two tokens have the name ana" in capsys.readouterr().err
+    assert "has a token of ana" in capsys.readouterr().err
     assert path.read_text() == before

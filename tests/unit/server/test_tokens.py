@@ -2,7 +2,8 @@
 import pytest
 
 from unitylink.errors import UnityLinkError
-from unitylink.server.tokens import digest, load_tokens, new_token
+from unitylink.server.token_file import load_tokens
+from unitylink.server.tokens import digest, new_token
 
 ENTRY = '[[token]]\nname = "ana"\nsha256 = "{}"\nscopes = ["read"]\n'
 
@@ -36,15 +37,16 @@ def test_a_token_ends_at_the_begin_of_its_day_in_utc(tmp_path):
         ("", "nobody could log in"),
         ("[[token]", "tokens.toml: "),
         ("token = 1", "begin each token with"),
-        ("password = 'x'", "password is unknown"),
-        (ENTRY.format("abc"), r"token 1 \(ana\): sha256 is no digest"),
-        (ENTRY.format(digest("a")) + "admin = true", "admin is unknown; expected name"),
+        ("\npassword = 'x'", r"tokens\.toml, line 2: password is unknown"),
+        (ENTRY.format("abc"), r"tokens\.toml, line 3: token 1 \(ana\): sha256 is no digest"),
+        (ENTRY.format(digest("a")) + "admin = true", "line 5: token 1: admin is unknown; expected name"),
+        ('token = [{name = "ana", admin = true}]', r"tokens\.toml: token 1: admin is unknown"),
         (ENTRY.format(digest("a")).replace('["read"]', '"read"'), "scopes is no list"),
         (ENTRY.format(digest("a")).replace('["read"]', "[]"), "scopes is no list"),
-        (ENTRY.format(digest("a")).replace("read", "root"), "'root' is no scope"),
+        (ENTRY.format(digest("a")).replace("read", "root"), r"line 4: token 1 \(ana\): 'root' is no scope"),
         (ENTRY.format(digest("a")).replace("ana", "a b"), "name is 'a b'"),
         (ENTRY.format(digest("a")) + "expires = 7", "expires is 7; expected a day"),
-        (ENTRY.format(digest("a")) * 2, "two tokens have the name ana"),
+        (ENTRY.format(digest("a")) * 2, r"line 6: token 2: two tokens have the name ana"),
         (ENTRY.format(digest("a")) + ENTRY.format(digest("a")).replace("ana", "ben"), "the sha256"),
     ],
 )
