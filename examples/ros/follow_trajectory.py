@@ -82,6 +82,8 @@ class Follower:
             raise Refused(
                 -2, f"these joints are not in joint_states: {', '.join(unknown) or 'none is named'}"
             )
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise Refused(-2, f"the trajectory names these joints twice: {', '.join(twice)}; name each once")
         points = [
             Point(_seconds(one.time_from_start), tuple(one.positions), tuple(one.velocities))
             for one in goal.trajectory.points

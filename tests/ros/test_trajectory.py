@@ -7,12 +7,13 @@ import math
 import runpy
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-NAMES = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "ros" / "trajectory.py"))
-Point, Trajectory = NAMES["Point"], NAMES["Trajectory"]
+FOLLOWING = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "ros" / "follow_trajectory.py"))
+Point, Trajectory = FOLLOWING["Point"], FOLLOWING["Trajectory"]
 
 
 def speeds(path: Any, end_s: float) -> list[float]:
@@ -53,6 +54,23 @@ def test_with_velocities_the_speed_has_no_jump() -> None:
 def test_what_no_robot_can_follow_is_refused(points: list[Any], why: str) -> None:
     with pytest.raises(ValueError, match=why):
         Trajectory([0.0], points)
+
+
+@pytest.mark.parametrize(
+    ("joints", "why"),
+    [
+        (["a", "b", "a"], "twice: a; name each once"),
+        (["a", "c"], "not in joint_states: c"),
+        ([], "none is named"),
+    ],
+)
+def test_a_goal_names_each_of_its_joints_once(joints: list[str], why: str) -> None:
+    follower = object.__new__(FOLLOWING["Follower"])  # its plan needs no node
+    follower._measured = {"a": 0.0, "b": 0.0}
+    goal = SimpleNamespace(trajectory=SimpleNamespace(joint_names=joints, points=[]))
+    with pytest.raises(FOLLOWING["Refused"], match=why) as refused:
+        follower._plan(goal)
+    assert refused.value.code == -2, "INVALID_JOINTS"
 
 
 def test_who_does_not_know_where_a_joint_is_does_not_move_it() -> None:
