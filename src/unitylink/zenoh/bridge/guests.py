@@ -118,7 +118,10 @@ class Guests:
             with self.lock:
                 if any(one.name == name for one in self.visits.all()):
                     raise Refused("access", AccessRefused(f"a client of the name {name} is there already"))
-                visit = self.visits.add(name, client, time.monotonic_ns())
+                try:
+                    visit = self.visits.add(name, client, time.monotonic_ns())
+                except LinkBusy as error:
+                    raise Refused("full", error) from None
         except UnityLinkError:
             self.exit(client)
             raise

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from unitylink.errors import ProtocolError
+from unitylink.errors import LinkBusy
 
 from .ledger import Ledger
 
@@ -44,9 +44,9 @@ class Visits:
         self._tokens: set[str] = set()  # of clients that are there, whether they visit us or not
 
     def add(self, name: str, client: Client, now_ns: int) -> Visit:
-        """Let a client in. Raises ProtocolError if there are too many."""
+        """Let a client in. Raises LinkBusy if there are too many."""
         if len(self._visits) >= VISITS_MAX:
-            raise ProtocolError(f"{VISITS_MAX} clients are there already")
+            raise LinkBusy(f"{VISITS_MAX} clients are there, which is all; close one, and try again")
         number = secrets.randbits(52) | 1  # exact as a number of JavaScript, too
         visit = Visit(number, name, client, now_ns, name in self._tokens)
         self._visits[number] = visit
