@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import secrets
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -15,7 +13,6 @@ from unitylink.errors import (
     DeviceMismatch,
     LinkClosed,
     LinkDown,
-    LinkNotFound,
     LinkTimeout,
     OutcomeUnknown,
     ProtocolError,
@@ -23,9 +20,9 @@ from unitylink.errors import (
     ValueRangeError,
 )
 
-from .failures import decode_failure
 from .far_clock import FarClock
-from .hello import read_welcome
+from .far_greeting import LOOK_S, FarGreeting
+from .far_questions import FarQuestions
 from .messages import ARM, CLOCK, DO, LEAVE, VISIT, Answer, Operation, Request, decode_answer
 
 if TYPE_CHECKING:
@@ -33,7 +30,6 @@ if TYPE_CHECKING:
 
     from .far_options import FarOptions
 
-_LOOK_S = 1.0  # how long to look for the board
 _CLOCK_S = 0.5  # how often its clock is asked, and whether it still knows this client
 _GREET_S = 6.0  # how long a bridge whose board is there has to answer the first hello
 _PAUSE_S = 0.02  # before a bridge is asked again that was not there
@@ -49,6 +45,8 @@ class FarBridge:
     def __init__(self, options: FarOptions, changed: Callable[[str, str], None]) -> None:
         self.options, self.keys = options, options.keys
         self.session: zenoh.Session = options.network.opened()
+        self.questions = FarQuestions(self.session, self.keys, self._broken)
+        self._greeting = FarGreeting(options, self.session, self.questions)
         self.clock = FarClock()
         self.configuration: dict[str, Any] = {}
         self.hash = ""
@@ -95,10 +93,13 @@ class FarBridge:
 
     def check(self) -> None:
         """Raises LinkClosed after the end, and LinkDown while the board is gone."""
+        if self.closed or self.trouble:
+            raise self._broken(self.trouble)
+
+    def _broken(self, why: str) -> UnityLinkError:
         if self.closed:
-            raise LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
-        if self.trouble:
-            raise LinkDown(f"{self.options.url}: {self.trouble}")
+            return LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
+        return LinkDown(f"{self.options.url}: {why}")
 
     def greet_again(self) -> None:
         """Say hello anew, as a new client: something of the last greeting did not get through."""
@@ -170,7 +171,7 @@ class FarBridge:
         self.counts["requests"] += 1
         while (left_ns := until_ns - time.monotonic_ns()) > 0:
             self.counts["retries"] += sent > 0
-            answer = self.once(key, data, min(each_s, left_ns / 1e9))
+            answer = self.questions.once(key, data, min(each_s, left_ns / 1e9))
             if isinstance(answer, bytes):
                 self.counts["replies"] += 1
                 return self._checked(decode_answer(answer), request)
@@ -180,7 +181,7 @@ class FarBridge:
                 if isinstance(answer, (LinkDown, LinkClosed)) and sent and request.once:
                     break  # an earlier copy may have been executed, for a visit that has ended
                 raise answer
-            reached = self._last_reached
+            reached = self.questions.reached
             # A copy whose way is lost after it has arrived looks like one for which nobody was there.
             sent += reached or request.once
             if not reached:
@@ -201,61 +202,6 @@ class FarBridge:
             )
         raise LinkTimeout(f"{self.options.url}: no answer after {elapsed_s:.2g} s", **facts)
 
-    def once(
-        self, key: str, data: bytes, timeout_s: float, *, urgent: bool = False
-    ) -> bytes | UnityLinkError | None:
-        """Ask once. Return the answer, the error that was answered, or None if there was no answer."""
-        import zenoh
-
-        self._here.reached = False
-        try:
-            replies = self.session.get(
-                key,
-                payload=data,
-                timeout=timeout_s,
-                priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.INTERACTIVE_HIGH,
-                express=True,
-                # the first answer is taken as it comes, and not when the bridge has said that it was the last
-                consolidation=zenoh.ConsolidationMode.NONE,
-            )
-            for reply in replies:
-                if reply.ok is not None:
-                    return bytes(reply.ok.payload.to_bytes())
-                told = reply.err.payload.to_bytes() if reply.err is not None else b""
-                self._here.reached = True
-                if told[:1] == b"{":
-                    return decode_failure(told)
-        except zenoh.ZError as error:
-            if self.closed:
-                return LinkClosed(f"{self.options.url}: {self.trouble or 'the link is closed'}")
-            return LinkDown(f"{self.options.url}: {error}")
-        return None
-
-    def insist(
-        self, what: str, data: bytes = b"", *, each_s: float, within_s: float, urgent: bool = False
-    ) -> bytes | None:
-        """Ask at a fixed key until there is an answer, which it is no harm to do twice.
-
-        Nobody may be there for a moment: after the return of a router, keys come one after the other. Raises
-        the error that is answered. None: there was no answer.
-        """
-        until_s = time.monotonic() + within_s
-        while (left_s := until_s - time.monotonic()) > 0:
-            answer = self.once(self.keys.fixed(what), data, min(each_s, left_s), urgent=urgent)
-            if isinstance(answer, bytes):
-                return answer
-            if answer is not None:
-                raise answer
-            time.sleep(_PAUSE_S)
-        return None
-
-    _here = threading.local()
-
-    @property
-    def _last_reached(self) -> bool:
-        """Whether somebody was there to whom the last copy of this thread went."""
-        return bool(getattr(self._here, "reached", False))
-
     def _checked(self, answer: Answer, request: Request) -> Answer:
         if answer.id != request.id:
             raise ProtocolError(f"an answer to the request {answer.id} instead of {request.id}")
@@ -268,31 +214,14 @@ class FarBridge:
 
     def _greet(self) -> None:
         """Find the one bridge whose board is there, and say hello to it."""
-        boards = self._look_for_boards()
+        boards = self._greeting.find()
         with self._look:
             self._boards = set(boards)
-        if len(boards) > 1:
-            raise DeviceMismatch(
-                f"{len(boards)} robots have the name {self.keys.name} on this network; stop one bridge"
-            )
-        name = "-".join(filter(None, (self.options.name, secrets.token_hex(8))))
-        token = self.session.liveliness().declare_token(self.keys.client(name))
-        answer, asked_ns = self._hello(json.dumps({"client": name}).encode())
-        heard_ns = time.monotonic_ns()
-        try:
-            if not isinstance(answer, bytes):
-                raise answer or LinkTimeout(f"{self.options.url}: the bridge does not say hello")
-            told = read_welcome(answer)
-            if told["bridge"] not in boards:
-                raise DeviceMismatch(f"two bridges have the name {self.keys.name} on this network")
-            self._check_hash(told["hash"])
-        except BaseException:
-            token.undeclare()
-            raise
-        old, self._token = self._token, token
+        welcome = self._greeting.greet(boards, self.hash)
+        old, self._token, told = self._token, welcome.token, welcome.told
         with self._lock:
             self.clock = FarClock()
-            self.clock.learn(asked_ns, told["now_ns"], heard_ns)
+            self.clock.learn(welcome.asked_ns, told["now_ns"], welcome.heard_ns)
             self.visit, self.bridge, self.hash = told["visit"], told["bridge"], told["hash"]
             self.configuration = told["configuration"]
         if old is not None:
@@ -307,53 +236,6 @@ class FarBridge:
             except LinkTimeout:
                 if time.monotonic() > until_s:
                     raise
-
-    def _hello(self, hello: bytes) -> tuple[bytes | UnityLinkError | None, int]:
-        """Say hello. Return the answer, and when the bridge was asked.
-
-        If there is nobody, the network does not let us write, and perhaps it lets us read. Or the bridge has
-        just come back, and its keys are not there yet: its clock comes after them.
-        """
-        until_s = time.monotonic() + _LOOK_S
-        while True:
-            asked_ns = time.monotonic_ns()
-            answer = self.once(self.keys.fixed("hello"), hello, _LOOK_S)
-            if answer is not None or self._last_reached or time.monotonic() > until_s:
-                return answer, asked_ns
-            if self.once(self.keys.fixed("clock"), b"", _LOOK_S) is not None:
-                break
-            time.sleep(_PAUSE_S)
-        for key in ("hello", "hello_read"):
-            asked_ns = time.monotonic_ns()
-            answer = self.once(self.keys.fixed(key), hello, _LOOK_S)
-            if answer is not None or self._last_reached:
-                break
-        return answer, asked_ns
-
-    def _look_for_boards(self) -> set[str]:
-        until_s = time.monotonic() + _LOOK_S
-        while True:
-            boards = self._tokens()
-            if boards:
-                return boards
-            if time.monotonic() > until_s:
-                raise LinkNotFound(
-                    f"{self.options.url}: no board of this name is on the network; is `unitylink bridge` "
-                    "running there, and does its board answer?"
-                )
-            time.sleep(_PAUSE_S)
-
-    def _tokens(self) -> set[str]:
-        found = self.session.liveliness().get(self.keys.board("*"), timeout=_LOOK_S)
-        return {str(one.ok.key_expr).rpartition("/")[2] for one in found if one.ok is not None}
-
-    def _check_hash(self, told: str) -> None:
-        wanted = self.options.spec_hash
-        for one, whose in ((self.hash, "before"), (wanted if wanted != "any" else "", "in the URL")):
-            if one and one != told and wanted != "any":
-                raise DeviceMismatch(
-                    f"{self.options.url}: the robot has the spec {told}; {whose} it was {one}"
-                )
 
     def _look_now(self) -> None:
         with self._look:
@@ -383,7 +265,7 @@ class FarBridge:
                     # Both were off the network. To this side, the board looks as if nothing had been.
                     greeted = self._greet_again(f"the visit has ended: {answer}")
                 elif not answer:
-                    found = self._tokens()  # a token that went unnoticed
+                    found = self._greeting.boards()  # a token that went unnoticed
                     with self._look:
                         self._boards = found
             elif len(boards) > 1:
@@ -434,11 +316,11 @@ class FarBridge:
     def _ask_clock(self) -> bool | UnityLinkError:
         """Ask for the clock. Return whether this bridge has answered, or the error that it answers."""
         asked_ns = time.monotonic_ns()
-        answer = self.once(self.keys.fixed("clock"), VISIT.pack(self.visit), _LOOK_S)
+        answer = self.questions.once(self.keys.fixed("clock"), VISIT.pack(self.visit), LOOK_S)
         heard_ns = time.monotonic_ns()
         if isinstance(answer, bytes) and len(answer) == CLOCK.size:
             bridge, told_ns = CLOCK.unpack(answer)
             if bridge == int(self.bridge, 16):
                 self.clock.learn(asked_ns, told_ns, heard_ns)
                 return True
-        return answer if isinstance(answer, UnityLinkError) and self._last_reached else False
+        return answer if isinstance(answer, UnityLinkError) and self.questions.reached else False

@@ -208,7 +208,7 @@ class FarLine:
     def trip(self, timeout_s: float | None) -> None:
         each_s = timeout_s or self._options.timeout_s
         within_s = each_s * self._options.attempts  # a stop does no harm if it comes twice
-        if self.bridge.insist("stop", each_s=each_s, within_s=within_s, urgent=True) is None:
+        if self.bridge.questions.insist("stop", each_s=each_s, within_s=within_s, urgent=True) is None:
             raise LinkClosed(f"{self._options.url}: no answer to the stop")
 
     def watch_program(self, patience_s: float) -> None:

@@ -75,7 +75,7 @@ class ZenohLink(Link):
 
     def _text(self, what: str) -> str:
         within_s = _TEXT_S * self._far.bridge.options.attempts
-        answer = self._far.bridge.insist(what, each_s=_TEXT_S, within_s=within_s)
+        answer = self._far.bridge.questions.insist(what, each_s=_TEXT_S, within_s=within_s)
         if answer is None:
             raise LinkTimeout(f"{self.url}: the bridge does not tell its {what}", elapsed_s=within_s)
         return answer.decode("utf-8", "replace")

@@ -141,15 +141,15 @@ def test_a_subscription_whose_answer_is_lost_comes_back(
 
 def test_a_stop_goes_before_all_else(link: ZenohLink, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: dict[str, tuple[Any, bool]] = {}
-    bridge = link._far.bridge
-    real = bridge.session
+    questions = link._far.bridge.questions
+    real = questions._session
 
     class Session:
         def get(self, key: str, **how: Any) -> Any:
             sent[key.rpartition("/")[2]] = how["priority"], how["express"]
             return real.get(key, **how)
 
-    monkeypatch.setattr(bridge, "session", Session())
+    monkeypatch.setattr(questions, "_session", Session())
     link.trip()
     stop = sent.pop("stop")
     assert link.read(GOAL) == 0

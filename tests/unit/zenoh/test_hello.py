@@ -13,9 +13,10 @@ import pytest
 from unit.zenoh.rig import ANGLE, STAMP, Rig, rigged, until
 
 from unitylink import connect
-from unitylink.errors import DeviceMismatch, LinkClosed, LinkDown, ProtocolError
-from unitylink.zenoh import far_bridge
-from unitylink.zenoh.far_bridge import FarBridge
+from unitylink.errors import DeviceMismatch, LinkBusy, LinkClosed, LinkDown, ProtocolError
+from unitylink.zenoh import far_greeting
+from unitylink.zenoh.bridge import visits
+from unitylink.zenoh.far_questions import FarQuestions
 from unitylink.zenoh.link import ZenohLink
 
 
@@ -79,19 +80,26 @@ def test_a_state_that_is_none_is_refused(rig: Rig, monkeypatch: pytest.MonkeyPat
             link.state()
 
 
+def test_a_client_for_whom_there_is_no_place_is_told_so(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(visits, "VISITS_MAX", 0)
+    with pytest.raises(LinkBusy, match="0 clients are there, which is all; close one, and try again"):
+        connect(rig.url())
+    assert rig.bridge.refusals.report()["full"]["count"] == 1
+
+
 @pytest.mark.parametrize("nobody", [1, 9])
 def test_a_writer_does_not_become_a_reader_by_an_early_hello(
     rig: Rig, monkeypatch: pytest.MonkeyPatch, nobody: int
 ) -> None:
     """The token of a bridge may be seen before its keys are."""
     said: list[str] = []
-    once = FarBridge.once
+    once = FarQuestions.once
 
-    def early(self: FarBridge, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
+    def early(self: FarQuestions, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
         said.append(key.rpartition("/")[2])
         return None if len(said) <= nobody else once(self, key, data, timeout_s, **more)
 
-    monkeypatch.setattr(FarBridge, "once", early)
+    monkeypatch.setattr(FarQuestions, "once", early)
     with connect(rig.url()) as link:
         link.write(STAMP, 1)
     assert "hello_read" not in said
@@ -101,7 +109,7 @@ def test_a_bridge_that_is_late_with_its_first_hello_is_greeted_again(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Many clients may come at the same time."""
-    monkeypatch.setattr(far_bridge, "_LOOK_S", 0.2)
+    monkeypatch.setattr(far_greeting, "LOOK_S", 0.2)
     enter, late = rig.bridge._guests.enter, [0.5]
 
     def slowly(*who: str) -> Any:
@@ -121,16 +129,16 @@ def test_what_may_come_twice_is_asked_until_somebody_is_there(
     """Just after the return of a router, the keys of a bridge come one after the other."""
     with connect(rig.url()) as link:
         assert isinstance(link, ZenohLink)
-        once, asked = FarBridge.once, list[str]()
+        once, asked = FarQuestions.once, list[str]()
 
-        def nobody_yet(self: FarBridge, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
+        def nobody_yet(self: FarQuestions, key: str, data: bytes, timeout_s: float, **more: bool) -> object:
             if key.endswith(f"/{what}"):
                 asked.append(key)
                 if len(asked) < 6:
                     return None
             return once(self, key, data, timeout_s, **more)
 
-        monkeypatch.setattr(FarBridge, "once", nobody_yet)
+        monkeypatch.setattr(FarQuestions, "once", nobody_yet)
         if what == "spec":
             assert "joint()" in link.spec_text()
         else:

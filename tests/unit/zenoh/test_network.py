@@ -30,7 +30,6 @@ from unitylink.errors import (
 )
 from unitylink.interface.wire_hash import wire_hashes
 from unitylink.spec import compile_text
-from unitylink.zenoh.bridge import visits
 from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.messages import DO, ONCE, WRITE_VALUE, Request, SetPoint
 
@@ -318,7 +317,6 @@ def test_what_is_refused_is_counted_and_named(stack: ExitStack, rig: Rig) -> Non
         ("spec", "made from 00", lambda: Stranger(stack, rig, "old", hash="00" * 8)),
         ("access", "there already", lambda: stranger.ask("hello", b'{"client":"stranger"}')),
         ("malformed", "a hello is JSON", lambda: stranger.ask("hello", b"\xff")),
-        ("full", "0 clients are there, which is all", lambda: _one_too_many(rig)),
         ("wildcard", "for one robot", lambda: _asked_all(stranger)),
     ):
         before = refused(rig, reason)[0]
@@ -330,12 +328,6 @@ def test_what_is_refused_is_counted_and_named(stack: ExitStack, rig: Rig) -> Non
         stranger.session.put(f"lab/arm1/do/{bridge}", b"x")  # a put where queries are answered
     until(lambda: refused(rig, "malformed")[0] + refused(rig, "unknown")[0] >= before + 250)
     assert opened(stack, rig).read(ANGLE) == 250, "the bridge works on"
-
-
-def _one_too_many(rig: Rig) -> None:
-    with pytest.MonkeyPatch.context() as patched, pytest.raises(LinkBusy, match="close one, and try again"):
-        patched.setattr(visits, "VISITS_MAX", 0)
-        connect(rig.url())
 
 
 def _asked_all(stranger: Stranger) -> None:
