@@ -130,7 +130,13 @@ class Fuzz final : public Host {
     }
     asked_ = Session::Ask::lease;
   }
-  void ask_to_arm(Session&) override { asked_ = Session::Ask::arm; }
+  void ask_to_arm(Session&, std::uint32_t age_us) override {
+    if (age_us > INT32_MAX) {
+      fail("an arm was asked for later than now");
+    }
+    asked_ = Session::Ask::arm;
+  }
+  [[nodiscard]] std::uint32_t clock_us() const noexcept override { return static_cast<std::uint32_t>(strings << 28); }
   void trip() noexcept override {}
   [[nodiscard]] std::uint64_t trips() const noexcept override { return 0; }
   void notice_trip() noexcept override {}
@@ -197,6 +203,10 @@ class Fuzz final : public Host {
         case kinds::write:
           append(payload, 0x1C + pick(0x28), 2);
           append(payload, pick(1u << 31), 4);
+          break;
+        case kinds::write_control:
+          append(payload, chance(2) ? protocol::serve::dated_arm : pick(0x50), 2);
+          append(payload, chance(2) ? 1 : static_cast<std::uint32_t>(random_()), 4);
           break;
         case kinds::list: append(payload, pick(2), 1); [[fallthrough]];
         case kinds::post_list:

@@ -151,6 +151,9 @@ void FramedEngine::encode_greeting() noexcept {
   pending_end_ += size;
   greeting_due_ = false;
   greeting_sent_ns_ = now_ns_;
+  if (state_ == State::opening && openings_ == 1) {
+    opening_sent_ns_ = now_ns_;
+  }
   greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(greeting_bytes);
 }
 

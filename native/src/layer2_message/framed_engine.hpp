@@ -38,6 +38,7 @@
 #include "layer2_message/engine.hpp"
 #include "layer2_message/greeting.hpp"
 #include "layer2_message/post_queue.hpp"
+#include "layer2_message/server_clock.hpp"
 
 namespace unitylink {
 
@@ -59,6 +60,8 @@ class FramedEngine final : public Engine {
   [[nodiscard]] const std::optional<Greeting>& greeting() const noexcept { return greeting_; }
   // The clock of the device in the host's time.
   [[nodiscard]] const ClockFit& clock() const noexcept { return clock_; }
+  // What is known of the clock of `unitylink serve`, which takes an `arm` with its time. Else nothing is known.
+  [[nodiscard]] const ServerClock& server_clock() const noexcept { return server_clock_; }
   void set_clock_hz(double clock_hz) noexcept { clock_.set_nominal_hz(clock_hz); }
 
   void submit(Exchange& exchange, std::uint64_t now_ns) noexcept override;
@@ -177,7 +180,7 @@ class FramedEngine final : public Engine {
   void ask() noexcept;
   void greet() noexcept;
   void on_greeting(const Greeting& told) noexcept;
-  void on_opened(std::uint16_t epoch) noexcept;
+  void on_opened(std::uint16_t epoch, std::uint32_t clock) noexcept;
   void lose_session() noexcept;
   void forget_session() noexcept;
   void notice_restart(std::uint32_t told_epoch) noexcept;
@@ -214,6 +217,7 @@ class FramedEngine final : public Engine {
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
   std::uint64_t greeting_sent_ns_ = 0;
+  std::uint64_t opening_sent_ns_ = 0;   // the first OPEN since the last HELLO answer
   std::uint64_t greeting_from_ns_ = 0;  // HELLO or OPEN is not sent before this time
   std::uint32_t in_vain_ = 0;           // HELLOs and OPENs that the device has caused since it last answered a request
   std::uint32_t openings_ = 0;          // OPENs since the last HELLO answer
@@ -253,6 +257,7 @@ class FramedEngine final : public Engine {
   bool publishing_ = false;
   std::uint32_t deadman_ticks_ = 0;
 
+  ServerClock server_clock_;
   ClockFit clock_;
   Exchange reading_;  // the engine's own reading of the device's clock
   std::array<std::uint32_t, 2> read_clock_{};

@@ -116,7 +116,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
       break;
     case device_kind::open:
       if (payload.size() == 6) {
-        on_opened(static_cast<std::uint16_t>(number_at(payload.data(), 2)));
+        on_opened(static_cast<std::uint16_t>(number_at(payload.data(), 2)), number_at(payload.data() + 2, 4));
         return;
       }
       break;

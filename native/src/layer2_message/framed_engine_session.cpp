@@ -102,7 +102,7 @@ void FramedEngine::notice_restart(std::uint32_t told_epoch) noexcept {
   }
 }
 
-void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
+void FramedEngine::on_opened(std::uint16_t epoch, std::uint32_t clock) noexcept {
   if (state_ != State::opening || epoch != offered_epoch_) {
     statistics_.stale_replies += 1;
     return;
@@ -110,6 +110,9 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   last_answer_ns_ = now_ns_;
   state_ = State::open;
   greeting_due_ = false;
+  if ((greeting_->features & serve::feature_dated_arm) != 0) {
+    server_clock_.learn(clock, opening_sent_ns_);
+  }
   decoder_.set_key({.epoch = epoch, .always_long = checked_long()});
   decoder_.set_payload_max(greeting_->reply_max);
   window_ = std::min(greeting_->window, window_max);
@@ -396,6 +399,7 @@ void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
     place = Place{};
   }
   forget_session();
+  server_clock_.forget();  // the next server may have another one
   decoder_.reset();
   decoder_.set_key(FrameKey{});  // publishes of the old session must not count in the new one
   text_ = greeting_due_ = false;

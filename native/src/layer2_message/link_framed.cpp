@@ -285,7 +285,18 @@ std::uint32_t Link::dead_man_ticks() {
 }
 
 Outcome Link::arm(const RequestOptions& how) {
-  Outcome outcome = write_control(protocol::control::arm, 1, how);
+  const std::uint64_t asked_ns = now_ns();
+  // A server is told when it was asked for: whoever asks does not know of a stop that comes to the server before this.
+  const auto ask = [&] {
+    std::optional<std::uint32_t> asked_us;
+    if (framed_) {
+      const std::scoped_lock lock(mutex_);
+      asked_us = framed_->server_clock().latest_us(asked_ns);
+    }
+    return asked_us ? write_control(protocol::serve::dated_arm, *asked_us, how)
+                    : write_control(protocol::control::arm, 1, how);
+  };
+  Outcome outcome = ask();
   if (outcome.status == Status::denied) {  // it tripped in this session, which may not arm it: another one is needed
     Exchange farewell;
     prepare(farewell, how);
@@ -294,7 +305,7 @@ Outcome Link::arm(const RequestOptions& how) {
     if (farewell.status != Status::ok) {
       return outcome_of(farewell);
     }
-    outcome = write_control(protocol::control::arm, 1, how);
+    outcome = ask();
   }
   std::uint32_t ticks = 0;
   {

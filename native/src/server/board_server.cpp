@@ -79,17 +79,19 @@ void BoardServer::ask_for_lease(Session& session, std::uint32_t address) {
   tell_of(session, News::Kind::asks, address);
 }
 
-void BoardServer::ask_to_arm(Session& session) { tell_of(session, News::Kind::arms, 0); }
+void BoardServer::ask_to_arm(Session& session, std::uint32_t age_us) { tell_of(session, News::Kind::arms, 0, age_us); }
 
-void BoardServer::tell_of(const Session& session, News::Kind kind, std::uint32_t address) {
+std::uint32_t BoardServer::clock_us() const noexcept { return static_cast<std::uint32_t>(real_ns() / 1000); }
+
+void BoardServer::tell_of(const Session& session, News::Kind kind, std::uint32_t address, std::uint32_t age_us) {
   const auto found = std::ranges::find_if(clients_, [&](const auto& client) { return &client->session == &session; });
   if (found != clients_.end()) {
-    tell({.client = (*found)->id, .kind = kind, .address = address});
+    const std::uint64_t age_ns = std::uint64_t{1000} * age_us;
+    tell({.client = (*found)->id, .kind = kind, .address = address, .at_ns = real_ns() - age_ns});
   }
 }
 
 void BoardServer::tell(News news) {
-  news.at_ns = real_ns();
   news_.push_back(news);
   told_.notify_one();
 }

@@ -58,7 +58,7 @@ struct News {
   std::uint64_t client = 0;
   Kind kind = Kind::asks;
   std::uint32_t address = 0;
-  std::uint64_t at_ns = 0;  // when it was told, by real_ns()
+  std::uint64_t at_ns = real_ns();  // when that was, by real_ns()
 };
 
 class BoardServer final : public Host {
@@ -107,7 +107,8 @@ class BoardServer final : public Host {
                                            bool on_event) override;
   [[nodiscard]] std::uint32_t set_dead_man() override;
   void ask_for_lease(Session& session, std::uint32_t address) override;
-  void ask_to_arm(Session& session) override;
+  void ask_to_arm(Session& session, std::uint32_t age_us) override;
+  [[nodiscard]] std::uint32_t clock_us() const noexcept override;
   void trip() noexcept override { trip_wanted_ = true; }
   [[nodiscard]] std::uint64_t trips() const noexcept override { return report_.trips; }
   void notice_trip() noexcept override;
@@ -122,7 +123,7 @@ class BoardServer final : public Host {
   void obey(bool ending);
   [[nodiscard]] Outcome arm_board(const RequestOptions& how);
   void tell(News news);
-  void tell_of(const Session& session, News::Kind kind, std::uint32_t address);
+  void tell_of(const Session& session, News::Kind kind, std::uint32_t address, std::uint32_t age_us = 0);
   void receive(Client& client);
   void send(Client& client);
   void watch(Client& client, std::uint32_t wanted);

@@ -41,8 +41,11 @@ class Host {
   [[nodiscard]] virtual std::uint32_t set_dead_man() = 0;
   // The session needs the write lease of this address. Session::resume() follows when that is decided.
   virtual void ask_for_lease(Session& session, std::uint32_t address) = 0;
-  // The session wants writes to be allowed again. Session::resume() follows when the board was armed, or was not.
-  virtual void ask_to_arm(Session& session) = 0;
+  // The session wants writes to be allowed again, since `age_us`. Session::resume() follows when the board was armed,
+  // or was not.
+  virtual void ask_to_arm(Session& session, std::uint32_t age_us) = 0;
+  // The clock by which clients say when they have asked for that.
+  [[nodiscard]] virtual std::uint32_t clock_us() const noexcept = 0;
   // Makes the outputs safe, before anything else is sent to the board.
   virtual void trip() noexcept = 0;
   // Changes whenever the dead-man has tripped.

@@ -52,7 +52,7 @@ device::FrameRequest::Widths Session::widths() const noexcept {
 std::uint32_t Session::features() const noexcept {
   using namespace protocol::control_value;
   const std::uint32_t board = host_.facts().description.features & ~(feature_classic | feature_exchanges);
-  return board | ((board & feature_lists) != 0 ? feature_exchanges : 0);
+  return board | ((board & feature_lists) != 0 ? feature_exchanges : 0) | protocol::serve::feature_dated_arm;
 }
 
 // ---- in
@@ -157,7 +157,7 @@ void Session::open_session(std::span<const std::uint8_t> payload) {
   }
   std::vector<std::uint8_t> told;
   put(told, key_.epoch, 2);
-  put(told, 0, 4);
+  put(told, host_.clock_us(), 4);
   send(device_kind::open, told);
 }
 
@@ -234,14 +234,17 @@ Session::Lack Session::lack(std::uint32_t address, bool writes) {
   return Lack::answer;
 }
 
-// Not in the session in which the dead-man has tripped, and with the right to do it. Without a dead-man, too: the
-// server itself has stopped such a board.
-bool Session::may_ask_to_arm() const noexcept {
-  return request_.operation == request_kind::write_control && request_.address == control::arm && request_.value == 1 &&
-         grant_.arm && trips_ == host_.trips();
+bool Session::arms() const noexcept {
+  return request_.operation == request_kind::write_control &&
+         (request_.address == protocol::serve::dated_arm || (request_.address == control::arm && request_.value == 1));
 }
 
-// Who governs the server decides, and arms the board.
+// Not in the session in which the dead-man has tripped, and with the right to do it. Without a dead-man, too: the
+// server itself has stopped such a board.
+bool Session::may_ask_to_arm() const noexcept { return arms() && grant_.arm && trips_ == host_.trips(); }
+
+// Who governs the server decides, and arms the board. A client that does not say when it has asked for it asks now. One
+// that knows the server's clock badly may say that it asks later.
 Session::Lack Session::lack_to_arm() {
   if (std::exchange(armed_, false)) {
     return Lack::nothing;
@@ -250,7 +253,9 @@ Session::Lack Session::lack_to_arm() {
     return Lack::refused;
   }
   if (std::exchange(asks_, Ask::arm) == Ask::nothing) {
-    host_.ask_to_arm(*this);
+    const bool dated = request_.address == protocol::serve::dated_arm;
+    const auto age_us = dated ? static_cast<std::int32_t>(host_.clock_us() - request_.value) : 0;
+    host_.ask_to_arm(*this, static_cast<std::uint32_t>(std::max(age_us, 0)));
   }
   return Lack::answer;
 }

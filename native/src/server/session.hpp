@@ -121,6 +121,7 @@ class Session {
   enum class Lack : std::uint8_t { nothing, right, refused, answer };
   [[nodiscard]] Lack lack(std::uint32_t address, bool writes);
   [[nodiscard]] Lack lack_to_arm();
+  [[nodiscard]] bool arms() const noexcept;
   [[nodiscard]] bool may_ask_to_arm() const noexcept;
   [[nodiscard]] Lack lack();
   [[nodiscard]] bool refuses(Lack lack, Status& why) noexcept;

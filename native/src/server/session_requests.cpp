@@ -319,11 +319,12 @@ Session::Status Session::write_control() {
       }
       return status::ok;
     case control::arm:
+    case protocol::serve::dated_arm:
       if (!grant_.arm) {
         counters_.refused += 1;
         return protocol::serve::not_allowed;
       }
-      return request_.value != 1 ? status::invalid : trips_ != host_.trips() ? status::denied : status::ok;
+      return !arms() ? status::invalid : trips_ != host_.trips() ? status::denied : status::ok;
     default: return status::bad_address;
   }
 }

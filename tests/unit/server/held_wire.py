@@ -11,9 +11,13 @@ from urllib.parse import urlsplit
 
 
 class HeldWire:
-    """Forwards bytes to the board while `open_` is set. What comes back is always forwarded."""
+    """Forwards bytes to the board while `open_` is set. What comes back is always forwarded.
+
+    `waits` says whether bytes wait for that.
+    """
 
     def __init__(self, board_url: str) -> None:
+        self.waits = False
         self.open_ = threading.Event()
         self.open_.set()
         place = urlsplit(board_url)
@@ -27,8 +31,17 @@ class HeldWire:
         with contextlib.suppress(OSError):
             host, _ = self._listener.accept()
             host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            threading.Thread(target=_forward, args=(self._board, host, None), daemon=True).start()
-            _forward(host, self._board, self.open_)
+            threading.Thread(target=self._forward, args=(self._board, host), daemon=True).start()
+            self._forward(host, self._board, held=True)
+
+    def _forward(self, source: socket.socket, sink: socket.socket, *, held: bool = False) -> None:
+        with contextlib.suppress(OSError), source, sink:
+            while data := source.recv(65536):
+                if held:
+                    self.waits = not self.open_.is_set()
+                    self.open_.wait()
+                    self.waits = False
+                sink.sendall(data)
 
     def close(self) -> None:
         self.open_.set()
@@ -36,14 +49,6 @@ class HeldWire:
             with contextlib.suppress(OSError):
                 one.shutdown(socket.SHUT_RDWR)
             one.close()
-
-
-def _forward(source: socket.socket, sink: socket.socket, gate: threading.Event | None) -> None:
-    with contextlib.suppress(OSError), source, sink:
-        while data := source.recv(65536):
-            if gate is not None:
-                gate.wait()
-            sink.sendall(data)
 
 
 @contextlib.contextmanager

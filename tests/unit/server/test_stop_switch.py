@@ -5,16 +5,27 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.unit.server.served import Served, arm, served
+from tests.unit.server.held_wire import HeldWire, held
+from tests.unit.server.served import Served, arm, served, token_of
 from tests.unit.server.test_serving import until
 from unitylink import Link
-from unitylink.errors import AccessRefused, DeadManTripped, LinkDown, LinkError, LinkTimeout, UnityLinkError
+from unitylink.errors import (
+    AccessRefused,
+    DeadManTripped,
+    LeaseHeld,
+    LinkDown,
+    LinkError,
+    LinkTimeout,
+    UnityLinkError,
+)
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.server.gate import Client
 from unitylink.server.stop_file import SOMEBODY, StopFile
@@ -22,6 +33,7 @@ from unitylink.server.stop_switch import DEAD_MAN, StopSwitch, now
 from unitylink.simulate import Board
 
 TARGET, POWER = 0x1A, 0x1B
+PATIENCE_S = 20.0
 
 
 @contextmanager
@@ -185,6 +197,33 @@ def test_a_stop_wins_against_an_arm_that_is_under_way(monkeypatch: pytest.Monkey
         assert told == ["looks is stopping the robot; arm it after that"]
         assert one.robot.report()["stopped_by"] == "looks"
         assert one.robot.board_link().dead_man().tripped
+
+
+@pytest.mark.parametrize("deadman", [True, False])
+@pytest.mark.parametrize("stopped", [True, False])
+def test_an_arm_that_its_line_holds_up_does_not_end_a_later_stop(deadman: bool, stopped: bool) -> None:
+    with ExitStack() as stack:
+        one = stack.enter_context(server_of(stack.enter_context(a_board(deadman=deadman))))
+        if stopped:
+            one.robot.switch.stop(enter(one))
+        wire = HeldWire(f"tcp://{one.server.place}")
+        stack.callback(wire.close)
+        began_s = time.monotonic()
+        with token_of("moves"):
+            program = stack.enter_context(Link(f"serve://{wire.url[6:]}/arm?timeout=20"))
+        trip_s = time.monotonic() - began_s  # longer than the round trip by which the program knows the clock
+        with ThreadPoolExecutor() as pool, held(wire):
+            armed = pool.submit(program.arm)
+            until(lambda: wire.waits)
+            time.sleep(1.1 * trip_s)
+            one.robot.switch.stop(enter(one, "looks"))
+            wire.open_.set()
+            with pytest.raises(LeaseHeld, match="are being made safe"):
+                armed.result(PATIENCE_S)
+        assert one.robot.report()["stopped_by"] == "looks"
+        assert any('"arm"' in line and "after this was asked for" in line for line in one.lines)
+        program.arm()
+        assert one.robot.report()["stopped_by"] == ""
 
 
 def test_an_arm_after_a_stop_that_failed_makes_the_outputs_safe_first(
