@@ -320,6 +320,7 @@ def test_the_stop_waits_for_nothing(broker: Mosquitto, one: Served, monkeypatch:
         monkeypatch.undo()
         ana.say("target/set", "7")
         assert "has stopped the robot" in ana.error()
+        until(lambda: one.robot.switch._over == one.robot.switch._begun)  # else the stop wins against the arm
         mqtt._hand.arm(mqtt._me())
 
 
