@@ -73,12 +73,15 @@ def described(
 
 
 def up(fleets: Sequence[Fleet]) -> list[RobotReport]:
-    """Wait until all robots are reachable. Return their reports."""
-    reports = [one for fleet in fleets for one in look_at(fleet, UP_S)[1]]
-    away = [one.key for one in reports if not one.reachable or one.pid is None]
-    if away:
-        raise SystemExit(f"not reachable within {UP_S:.0f} s: {', '.join(away)}")
-    return reports
+    """Wait until all robots are reachable, and their fleets tell of them. Return their reports."""
+    limit_s = time.monotonic() + UP_S
+    while True:
+        reports = [one for fleet in fleets for one in look_at(fleet, UP_S)[1]]
+        away = [one.key for one in reports if not one.reachable or one.pid is None]
+        if not away:
+            return reports
+        if time.monotonic() > limit_s:
+            raise SystemExit(f"not reachable within {UP_S:.0f} s: {', '.join(away)}")
 
 
 @contextlib.contextmanager

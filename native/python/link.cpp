@@ -109,32 +109,6 @@ void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle 
   raise_unless_ok(outcome);
 }
 
-std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify,
-                        nb::handle ring, nb::handle group) {
-  const std::vector<std::uint32_t> words = words_of(addresses, "address");
-  SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
-  if (!group.is_none()) {
-    request.group = word_of(group, "group");
-  }
-  std::uint32_t id = 0;
-  Outcome outcome;
-  {
-    GilRelease release;
-    outcome = link.subscribe(request, id);
-  }
-  raise_unless_ok(outcome);
-  return id;
-}
-
-void unsubscribe(Link& link, std::uint32_t id) {
-  Outcome outcome;
-  {
-    GilRelease release;
-    outcome = link.unsubscribe(id);
-  }
-  raise_unless_ok(outcome);
-}
-
 nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
   std::unique_ptr<double[]> times;
   std::unique_ptr<std::uint32_t[]> values;
@@ -413,8 +387,9 @@ void bind_link(nb::module_& module) {
       .def("write_many", &write_many, "addresses"_a, "values"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a,
            "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
-      .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a, "group"_a.none())
-      .def("unsubscribe", &unsubscribe, "id"_a)
+      .def("subscribe", &subscribe<Link>, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a,
+           "group"_a.none())
+      .def("unsubscribe", &unsubscribe<Link>, "id"_a)
       .def("drain", &drain, "id"_a, "words"_a)
       .def("take_single", &take_single, "id"_a, "words"_a)
       .def("subscribed", &Link::subscribed, "id"_a, nb::call_guard<GilRelease>())

@@ -48,6 +48,39 @@ inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle tim
   return options;
 }
 
+// Subscribes at a link, or at its server. Returns the number of the subscription.
+template <class Publisher>
+std::uint32_t subscribe(Publisher& at, nb::handle addresses, nb::handle divisor, bool on_event, bool verify,
+                        nb::handle ring, nb::handle group) {
+  const std::vector<std::uint32_t> words = words_of(addresses, "address");
+  SubscriptionRequest request{.addresses = words,
+                              .divisor = word_of(divisor, "divisor"),
+                              .on_event = on_event,
+                              .verify = verify,
+                              .ring = word_of(ring, "ring")};
+  if (!group.is_none()) {
+    request.group = word_of(group, "group");
+  }
+  std::uint32_t id = 0;
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = at.subscribe(request, id);
+  }
+  raise_unless_ok(outcome);
+  return id;
+}
+
+template <class Publisher>
+void unsubscribe(Publisher& at, std::uint32_t id) {
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = at.unsubscribe(id);
+  }
+  raise_unless_ok(outcome);
+}
+
 // Raises what a signal's handler has raised while a call waited, where the call itself has gone well.
 inline void raise_pending() {
   if (PyErr_Occurred() != nullptr) {

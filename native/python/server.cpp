@@ -275,6 +275,13 @@ void bind_server(nb::module_& module) {
             order(timeout_s, [&](const RequestOptions& how) { return self.server.arm(how); });
           },
           "timeout_s"_a.none())
+      .def(
+          "subscribe",
+          [](PythonServer& self, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring,
+             nb::handle group) { return subscribe(self.server, addresses, divisor, on_event, verify, ring, group); },
+          "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a, "group"_a.none())
+      .def(
+          "unsubscribe", [](PythonServer& self, std::uint32_t id) { unsubscribe(self.server, id); }, "id"_a)
       .def("report", [](PythonServer& self) { return report(self.server); })
       .def("close", [](PythonServer& self) {
         const GilRelease release;

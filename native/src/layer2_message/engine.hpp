@@ -89,7 +89,7 @@ class Engine {
 
   // From now on the publishes of the group go into `ring`. nullptr: they are dropped, and counted as unclaimed.
   virtual void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }
-  // From now on the publishes go to `tap` instead of their rings. Framed only.
+  // From now on the publishes go to `tap`, too. Framed only.
   void tap(PublishTap* tap) noexcept { tap_ = tap; }
   [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] Statistics& statistics() noexcept { return statistics_; }

@@ -164,13 +164,14 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
     statistics_.missing_publishes += missing;
     ring->miss(missing);
     const std::uint32_t clocks = number_at(payload.data() + 3, 4);
+    statistics_.publishes += 1;
     if (tap_ != nullptr) {
-      statistics_.publishes += 1;
       tap_->on_publish(number, missing, clocks, payload.subspan(frame_head::publish));
+    }
+    if (!ring->keeps()) {
       return;
     }
     const std::uint64_t time_ns = clock_.valid() ? std::min(now_ns_, clock_.host_ns(clocks, now_ns_)) : now_ns_;
-    statistics_.publishes += 1;
     statistics_.overruns += ring->push(time_ns, payload.subspan(frame_head::publish), width) ? 0 : 1;
   }
 }

@@ -27,6 +27,7 @@
 #include "layer2_message/link_options.hpp"
 #include "layer2_message/mapped_engine.hpp"
 #include "layer2_message/reply_pace.hpp"
+#include "layer2_message/subscription_request.hpp"
 
 namespace unitylink {
 
@@ -68,16 +69,6 @@ struct ClockState {
   double period_ns = 0;
   double drift_ppm = 0;
   double uncertainty_ns = 0;
-};
-
-struct SubscriptionRequest {
-  std::span<const std::uint32_t> addresses;
-  std::uint32_t divisor = 0;  // publish every `divisor` base periods; 0: not by time
-  bool on_event = false;      // publish at an event of the group's event input
-  bool verify = true;  // read each address once first: 2012 gateware repeats a publish for ever if one never answers
-  std::size_t ring = 4096;  // publishes kept until they are drained
-  // the group of the gateware, if a certain event line is needed; else any
-  std::optional<std::uint32_t> group = std::nullopt;
 };
 
 // A change of the line or of the device. When a link with reconnect=1 loses its line, the events are lost, restarted
@@ -265,8 +256,10 @@ class Link {
   // As leave(), and waits for `other`. Whoever asks then reads his answer himself, and need not be woken.
   bool rest(int other, std::uint64_t until_ns);
   void withdraw(Exchange& exchange);  // gives a queued request up
-  // From now on `tap` gets the publishes of a framed link instead of drain(). nullptr: as before.
+  // From now on `tap` gets all publishes of a framed link, too. nullptr: no longer.
   void tap_publishes(PublishTap* tap);
+  // From now on the publishes of a subscription are kept until they are drained, up to `ring`. 0: no more are kept.
+  void keep_publishes(std::uint32_t id, std::size_t ring);
 
   // The time of deadlines and publishes: real time, or the robot time of the virtual boards in this process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }

@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "layer0_driver/polling.hpp"
-#include "layer2_message/link.hpp"
+#include "layer2_message/link_state.hpp"
 
 namespace unitylink {
 namespace {
@@ -72,6 +72,7 @@ void Link::leave() {
   touch_steps();
   turn_.notify_all();
   idle_.notify_all();
+  published_.notify_all();  // one of them reads now
 }
 
 bool Link::rest(int other, std::uint64_t until_ns) {
@@ -93,6 +94,19 @@ void Link::withdraw(Exchange& exchange) {
 void Link::tap_publishes(PublishTap* tap) {
   const std::scoped_lock lock(mutex_);
   engine_->tap(tap);
+}
+
+void Link::keep_publishes(std::uint32_t id, std::size_t ring) {
+  const std::scoped_lock lock(mutex_);
+  Subscription* const subscription = find(id);
+  if (subscription == nullptr) {
+    return;
+  }
+  if (ring == 0) {
+    subscription->ring.keep_no_more();
+  } else {
+    subscription->ring = PublishRing(subscription->ring.words(), ring);
+  }
 }
 
 }  // namespace unitylink

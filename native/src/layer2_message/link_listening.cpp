@@ -12,6 +12,7 @@ namespace {
 // How long a thread waits before it reads for others:
 constexpr std::uint64_t call_patience_ns = 250'000;      // after a call, because another call may soon follow
 constexpr std::uint64_t leader_patience_ns = 1'000'000;  // while there is a leader, who may leave without a signal
+                                                         // (unless it calls attend(): leave() is a signal)
 constexpr std::uint64_t reader_patience_ns = 4'000'000;  // after a wait for publishes, because another may soon follow
 // The reader looks less often while those who wait for publishes always come back in time: twice as long each time.
 constexpr std::uint64_t reader_patience_most_ns = 32'000'000;
@@ -67,6 +68,7 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   if (leading_ || callers_ > 0 || now < call_ns || gone) {
     const std::uint64_t look_ns = std::min(until_ns, gone            ? now + gone_patience_ns
                                                      : now < call_ns ? call_ns
+                                                     : attended_     ? Engine::no_deadline
                                                                      : now + leader_patience_ns);
     wait(lock, elsewhere, look_ns);
     return;

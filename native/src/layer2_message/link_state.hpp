@@ -14,7 +14,7 @@ struct Link::Subscription {
       : addresses(request.addresses.begin(), request.addresses.end()),
         divisor(request.divisor),
         on_event(request.on_event),
-        ring(request.addresses.size(), request.ring) {}
+        ring(request.addresses.size(), request.kept ? request.ring : 0) {}
 
   std::uint32_t id = 0;  // the group, plus 256 for each earlier subscription of this group
   std::vector<std::uint32_t> addresses;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The publishes of one group that are not fetched yet: k words and a host time each. When it is full, the newest
-// replace the oldest.
+// replace the oldest. A ring without room keeps none.
 #pragma once
 
 #include <algorithm>
@@ -24,9 +24,11 @@ struct Drained {
 class PublishRing {
  public:
   PublishRing(std::size_t words, std::size_t capacity)
-      : words_(words), capacity_(capacity), times_(capacity), values_(words * capacity) {}
+      : words_(words), capacity_(capacity), keeps_(capacity != 0), times_(capacity), values_(words * capacity) {}
 
   [[nodiscard]] std::size_t words() const noexcept { return words_; }
+  [[nodiscard]] bool keeps() const noexcept { return keeps_; }
+  void keep_no_more() noexcept { keeps_ = false; }  // push() must not be called then; what is there can be drained
   [[nodiscard]] std::size_t size() const noexcept { return static_cast<std::size_t>(head_ - tail_); }
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
   [[nodiscard]] std::uint64_t received() const noexcept { return head_; }
@@ -93,6 +95,7 @@ class PublishRing {
 
   std::size_t words_;
   std::size_t capacity_;
+  bool keeps_;
   std::vector<std::uint64_t> times_;
   std::vector<std::uint32_t> values_;
   std::size_t next_ = 0;    // slot of the next push, head_ % capacity_

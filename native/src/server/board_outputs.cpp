@@ -37,9 +37,9 @@ std::uint32_t BoardServer::define_group(Session& session, std::uint32_t group, s
   if (addresses.empty() || (divisor == 0 && !on_event)) {
     return status::ok;
   }
-  FanOut::Definition definition{{addresses.begin(), addresses.end()}, divisor, std::nullopt};
+  FanOut::Definition definition{{addresses.begin(), addresses.end()}, divisor, on_event, std::nullopt};
   if (on_event) {
-    definition.event = group;
+    definition.group = group;
   }
   return status_of_outcome(fan_out_.add({&session, group}, std::move(definition)));
 }
@@ -65,8 +65,36 @@ std::uint32_t BoardServer::set_dead_man() {
   return status_of_outcome(outcome);
 }
 
+Outcome BoardServer::trip(const RequestOptions& how) {
+  return ordered([&how](BoardServer& self) {
+    Outcome outcome = self.upstream_.link().trip(how);
+    if (outcome.ok()) {
+      self.notice_trip();
+    }
+    return outcome;
+  });
+}
+
+Outcome BoardServer::arm(const RequestOptions& how) {
+  return ordered([&how](BoardServer& self) { return self.arm_board(how); });
+}
+
+Outcome BoardServer::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
+  return ordered([&](BoardServer& self) {
+    return self.fan_out_.listen(
+        {{request.addresses.begin(), request.addresses.end()}, request.divisor, request.on_event, request.group},
+        request.verify, request.ring, id);
+  });
+}
+
+Outcome BoardServer::unsubscribe(std::uint32_t id) {
+  const Outcome outcome = ordered([id](BoardServer& self) { return self.fan_out_.hush(id); });
+  return outcome.status == Status::closed ? upstream_.link().unsubscribe(id) : outcome;
+}
+
 // Another thread wants something of the board, and waits for it.
-Outcome BoardServer::ordered(Order order) {
+Outcome BoardServer::ordered(std::function<Outcome(BoardServer&)> act) {
+  Order order{.act = std::move(act)};
   std::unique_lock lock(mutex_);
   if (over_) {
     return {Status::closed, "the server has ended"};
@@ -81,19 +109,9 @@ void BoardServer::obey(bool ending) {
   if (orders_.empty()) {
     return;
   }
-  Link& link = upstream_.link();
-  link.leave();
+  upstream_.link().leave();
   for (Order* const order : std::exchange(orders_, {})) {
-    if (ending) {
-      order->outcome = Outcome(Status::closed, "the server has ended");
-    } else if (order->arms) {
-      order->outcome = arm_board(order->how);
-    } else {
-      order->outcome = link.trip(order->how);
-      if (order->outcome->ok()) {
-        notice_trip();
-      }
-    }
+    order->outcome = ending ? Outcome(Status::closed, "the server has ended") : order->act(*this);
   }
   obeyed_.notify_all();
 }

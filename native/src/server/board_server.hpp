@@ -9,6 +9,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -82,8 +83,11 @@ class BoardServer final : public Host {
   // The clients that have sent no frame for so long.
   [[nodiscard]] std::vector<std::uint64_t> silent(std::uint64_t limit_ns);
   // As those of the link, and the clients' dead-men know of it. The thread of the server does it; another one waits.
-  [[nodiscard]] Outcome trip(const RequestOptions& how) { return ordered({.arms = false, .how = how}); }
-  [[nodiscard]] Outcome arm(const RequestOptions& how) { return ordered({.arms = true, .how = how}); }
+  [[nodiscard]] Outcome trip(const RequestOptions& how);
+  [[nodiscard]] Outcome arm(const RequestOptions& how);
+  // Likewise. A group that a client reads, too, is shared with it.
+  [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
+  [[nodiscard]] Outcome unsubscribe(std::uint32_t id);
   [[nodiscard]] ServerReport report();
   // Drops all clients and ends the thread. A dead-man that runs for a client trips first.
   void close();
@@ -91,8 +95,7 @@ class BoardServer final : public Host {
  private:
   struct Client;
   struct Order {
-    bool arms = false;  // else the dead-man is to trip
-    RequestOptions how;
+    std::function<Outcome(BoardServer&)> act;
     std::optional<Outcome> outcome = std::nullopt;
   };
 
@@ -119,7 +122,7 @@ class BoardServer final : public Host {
   void harvest();
   void look_at_dead_men();
   void make_safe();
-  [[nodiscard]] Outcome ordered(Order order);
+  [[nodiscard]] Outcome ordered(std::function<Outcome(BoardServer&)> act);
   void obey(bool ending);
   [[nodiscard]] Outcome arm_board(const RequestOptions& how);
   void tell(News news);

@@ -12,16 +12,47 @@ Outcome FanOut::add(const Reader& reader, Definition definition) {
     found->readers.push_back(reader);
     return {};
   }
-  Group group{.definition = std::move(definition), .subscription = 0, .readers = {reader}};
+  std::uint32_t subscription = 0;
+  // the client has verified the addresses, if it wants
+  return open({.definition = std::move(definition), .subscription = 0, .readers = {reader}},
+              {.addresses = {}, .verify = false, .kept = false}, subscription);
+}
+
+Outcome FanOut::listen(Definition definition, bool verify, std::size_t ring, std::uint32_t& subscription) {
+  const auto found = std::ranges::find_if(
+      groups_, [&definition](const Group& group) { return group.definition == definition && !group.heard; });
+  if (found != groups_.end()) {
+    found->heard = true;
+    subscription = found->subscription;
+    link_.keep_publishes(subscription, ring);
+    return {};
+  }
+  return open({.definition = std::move(definition), .subscription = 0, .readers = {}, .heard = true},
+              {.addresses = {}, .verify = verify, .ring = ring}, subscription);
+}
+
+Outcome FanOut::hush(std::uint32_t subscription) {
+  for (Group& group : groups_) {
+    if (group.subscription == subscription && group.heard) {
+      group.heard = false;
+      if (!group.readers.empty()) {
+        link_.keep_publishes(subscription, 0);
+      }
+    }
+  }
+  return close_unread();
+}
+
+Outcome FanOut::open(Group group, const SubscriptionRequest& how, std::uint32_t& subscription) {
+  SubscriptionRequest request = how;
+  request.addresses = group.definition.addresses;
+  request.divisor = group.definition.divisor;
+  request.on_event = group.definition.on_event;
+  request.group = group.definition.group;
   link_.leave();
-  Outcome outcome = link_.subscribe({.addresses = group.definition.addresses,
-                                     .divisor = group.definition.divisor,
-                                     .on_event = group.definition.event.has_value(),
-                                     .verify = false,  // the client has done so, if it wants
-                                     .ring = 1,
-                                     .group = group.definition.event},
-                                    group.subscription);
+  Outcome outcome = link_.subscribe(request, group.subscription);
   if (outcome.ok()) {
+    subscription = group.subscription;
     groups_.push_back(std::move(group));
   }
   return outcome;
@@ -31,26 +62,30 @@ void FanOut::remove(const Reader& reader) {
   for (Group& group : groups_) {
     std::erase(group.readers, reader);
   }
-  close_unread();
+  static_cast<void>(close_unread());
 }
 
 void FanOut::remove(const Session& session) {
   for (Group& group : groups_) {
     std::erase_if(group.readers, [&session](const Reader& reader) { return reader.session == &session; });
   }
-  close_unread();
+  static_cast<void>(close_unread());
 }
 
-void FanOut::close_unread() {
+Outcome FanOut::close_unread() {
+  Outcome outcome;
   for (auto group = groups_.begin(); group != groups_.end();) {
-    if (!group->readers.empty()) {
+    if (!group->readers.empty() || group->heard) {
       ++group;
       continue;
     }
     link_.leave();
-    static_cast<void>(link_.unsubscribe(group->subscription));
+    if (Outcome closed = link_.unsubscribe(group->subscription); !closed.ok()) {
+      outcome = std::move(closed);
+    }
     group = groups_.erase(group);
   }
+  return outcome;
 }
 
 std::span<const FanOut::Reader> FanOut::readers(std::uint32_t group) const noexcept {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The publish groups of the board, and who gets their publishes. Equal definitions of several clients share one group,
-// so the line carries each publish once.
+// The publish groups of the board, and who gets their publishes. Equal definitions of several clients, and of a
+// listener in this program, share one group, so the line carries each publish once.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,8 @@ class FanOut {
   struct Definition {
     std::vector<std::uint32_t> addresses;
     std::uint32_t divisor = 0;
-    std::optional<std::uint32_t> event;  // the group of the board, whose event input matters
+    bool on_event = false;
+    std::optional<std::uint32_t> group;  // of the board, if its event input matters
 
     friend bool operator==(const Definition&, const Definition&) = default;
   };
@@ -36,6 +37,9 @@ class FanOut {
   [[nodiscard]] Outcome add(const Reader& reader, Definition definition);
   void remove(const Reader& reader);
   void remove(const Session& session);
+  // Keeps up to `ring` publishes in the link, for a listener in this program: Link::drain(subscription).
+  [[nodiscard]] Outcome listen(Definition definition, bool verify, std::size_t ring, std::uint32_t& subscription);
+  [[nodiscard]] Outcome hush(std::uint32_t subscription);
   // Who gets the publishes of this group of the board.
   [[nodiscard]] std::span<const Reader> readers(std::uint32_t group) const noexcept;
   [[nodiscard]] std::size_t groups() const noexcept { return groups_.size(); }
@@ -45,9 +49,11 @@ class FanOut {
     Definition definition;
     std::uint32_t subscription = 0;
     std::vector<Reader> readers;
+    bool heard = false;  // by a listener
   };
 
-  void close_unread();
+  [[nodiscard]] Outcome open(Group group, const SubscriptionRequest& how, std::uint32_t& subscription);
+  Outcome close_unread();
 
   Link& link_;
   std::vector<Group> groups_;

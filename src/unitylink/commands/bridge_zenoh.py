@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -141,7 +140,6 @@ class ZenohOptions:
         spec_text: str,
         *,
         token: str,
-        reads: str,
         reading: str = "",
     ) -> tuple[Bridge, str]:
         """Return the bridge of `robot` (its class tells the rest), and the place of its router."""
@@ -159,7 +157,6 @@ class ZenohOptions:
                     publishing,
                     spec_text,
                     token=token,
-                    reads=reads,
                     reading=reading,
                 )
             except LinkNotFound:
@@ -216,7 +213,6 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     from unitylink.server.log_file import LogFile, check_writable
     from unitylink.server.robot import Robot
     from unitylink.server.scopes import Rights
-    from unitylink.server.serving import Server
     from unitylink.server.stop_file import StopFile
     from unitylink.server.tokens import Tokens, User, digest, new_token
     from unitylink.zenoh.spec_files import pack_spec
@@ -226,15 +222,14 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
     if options.audit_file is not None:
         check_writable(options.audit_file, "--audit")
     memory = StopFile(options.stop_file) if options.stop_file is not None else None
-    token, reading, looking = new_token(), new_token(), new_token()
+    token, reading = new_token(), new_token()
     rights = options.rights()
     with usage("--may"):
         rights.check(spec.roots[0])
     readers = Rights.of(f"read {part}".strip() for part in rights.parts("read"))
     users = [
         (token, User("zenoh", rights)),
-        (looking, User("zenoh readers", readers)),
-        (reading, User("publishes", Rights.of(["read"]))),
+        (reading, User("zenoh readers", readers)),
     ]
     tokens = Tokens([(digest(one), user) for one, user in users])
     with stopped_by_signals() as stop, ExitStack() as stack:
@@ -244,14 +239,9 @@ def run_zenoh(link: str, spec: Spec, file: str, options: ZenohOptions) -> int:
         audit = Audit(log.put if log else lambda line: print(line, file=sys.stderr, flush=True), apart=True)
         stack.callback(audit.close)
         robot = Robot(root, link, spec, tokens, audit, memory=memory)
-        server = stack.enter_context(Server([robot], tokens, audit, "127.0.0.1", 0))
-        secret = stack.enter_context(tempfile.NamedTemporaryFile("w", encoding="ascii"))
-        secret.write(reading)
-        secret.flush()
-        reads = f"serve://{server.place}/{root}?token_file={secret.name}"
-        bridge, where = options.opened(
-            robot, pack_spec(file, root), token=token, reads=reads, reading=looking
-        )
+        stack.callback(robot.close)
+        robot.start()
+        bridge, where = options.opened(robot, pack_spec(file, root), token=token, reading=reading)
         stack.enter_context(bridge)
         _announce(spec, bridge.keys.name, where, robot.url)
         while not stop.wait(_LOOK_S) and not bridge.ended.is_set():

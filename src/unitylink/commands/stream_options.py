@@ -191,12 +191,8 @@ class StreamOptions:
                 stack.enter_context(Source(url, robot.spec, streams))
             if self.zenoh is not None:
                 spec_text = pack_spec(spec_file, robot.spec.roots[0].name)
-                bridge, where = self._zenoh(anyone=True).opened(
-                    robot,
-                    spec_text,
-                    token=tokens["zenoh"],
-                    reads=url,
-                )
+                options = self._zenoh(anyone=True)
+                bridge, where = options.opened(robot, spec_text, token=tokens["zenoh"])
                 stack.enter_context(_until_it_ends(bridge, f"--zenoh {self.zenoh}"))
                 lines.append(f"on Zenoh:  zenoh:{bridge.keys.name}, at {where}")
             yield lines

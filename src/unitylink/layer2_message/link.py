@@ -308,13 +308,15 @@ class Link(LinkReset, LinkTime, LinkLoop):
         It does so every `divisor` base periods. With `on_event`, it does so when the group's event input
         triggers it. `verify` first reads each address once, because 2012 gateware never stops publishing an
         address where nothing answers. Use False if a read has an effect. `ring` is how many publishes may
-        wait to be fetched. If more come, the oldest ones are dropped. `group` asks for a certain group,
-        because each has its own event input. Raises DeviceMismatch if no group is free or large enough, or if
-        the line is too slow.
+        wait to be fetched. If more come, the oldest ones are dropped. `group` asks for a certain one: each
+        has its own event input. Raises DeviceMismatch if none is free or large enough, or the line too slow.
         """
-        identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
+        at = self._server or self._native
+        identity = at.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
-        return Subscription(self._native, self._callbacks, identity, words, divisor, keep=self)
+        return Subscription(
+            self._native, self._callbacks, identity, words, divisor, at.unsubscribe, keep=self
+        )
 
     # ---- the device itself
 

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from unittest import mock
@@ -65,8 +66,13 @@ class Served:
         return self.server.robots["arm"]
 
 
-def token_of(token: str) -> AbstractContextManager[object]:
-    return mock.patch.dict(os.environ, {"UNITYLINK_TOKEN": token})
+_environment = threading.RLock()  # of two threads that set a token, the second would put the first one back
+
+
+@contextmanager
+def token_of(token: str) -> Iterator[None]:
+    with _environment, mock.patch.dict(os.environ, {"UNITYLINK_TOKEN": token}):
+        yield
 
 
 @contextmanager

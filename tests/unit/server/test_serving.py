@@ -200,6 +200,37 @@ def test_equal_groups_are_one_group_of_the_board(one: Served) -> None:
         until(lambda: one.robot.report()["groups"] == 0)
 
 
+@pytest.mark.parametrize("first", ["client", "program"])
+def test_a_group_is_shared_with_a_program_that_serves_the_board(one: Served, first: str) -> None:
+    """A bridge to another network subscribes at the link of the server itself."""
+
+    def groups() -> int:
+        count: int = one.robot.report()["groups"]
+        return count
+
+    link = one.robot.board_link()
+    came: list[tuple[int, ...]] = []
+    with one.link() as ana:
+        begins, follows = (ana, link) if first == "client" else (link, ana)
+        goes, stays = begins.subscribe([0x12], divisor=10), follows.subscribe([0x12], divisor=10)
+        ours, hers = (stays, goes) if first == "client" else (goes, stays)
+        assert groups() == 1
+        with link.subscribe([0x12], divisor=10) as another:  # has a ring of its own
+            assert groups() == 2 and another.wait(5)
+        ours.on_publish(lambda time_s, words: came.append(words))
+        until(lambda: len(came) > 3 and hers.available > 3)
+        goes.close()
+        assert groups() == 1
+        came.clear()
+        hers.drain()
+        until(lambda: len(came) > 3 if stays is ours else hers.available > 3)
+        stays.close()
+        until(lambda: groups() == 0)
+        assert hers.missing == hers.lost == ours.missing == ours.lost == link.statistics().overruns == 0
+    with link.subscribe([0x12], divisor=10) as alone:  # nobody else is there, so its own thread reads
+        assert alone.wait(5)
+
+
 def test_a_board_without_a_free_group_says_so(one: Served) -> None:
     with one.link() as ana, one.link() as ben:
         held = [ana.subscribe([0x12 + n], divisor=100) for n in range(ana.configuration.groups)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import select
 import socket
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,7 +16,6 @@ from typing import Any
 from unitylink.server.audit import Audit
 from unitylink.server.robot import Robot
 from unitylink.server.scopes import Rights
-from unitylink.server.serving import Server
 from unitylink.server.tokens import Tokens, User, digest, new_token
 from unitylink.simulate import Board
 from unitylink.spec import load
@@ -143,7 +141,6 @@ class Rig:
     board_port: int
     port: int
     robot: Robot
-    reads: str
     token: str
     reading: str
     board: Board
@@ -172,7 +169,6 @@ class Rig:
             pack_spec(self.file, "arm"),
             token=self.token,
             reading=self.reading,
-            reads=self.reads,
         )
 
     def new_board(self) -> Board:
@@ -200,12 +196,9 @@ def rigged(folder: Path) -> Iterator[Rig]:
         audit = Audit(lambda line: None)
         robot = Robot("arm", f"tcp://127.0.0.1:{board_port}", spec, tokens, audit)
         board = stack.enter_context(Board(spec, plant=oracle, endpoint=f"tcp:{board_port}"))
-        server = stack.enter_context(Server([robot], tokens, audit, "127.0.0.1", 0))
-        secret = stack.enter_context(tempfile.NamedTemporaryFile("w"))
-        secret.write(reading)
-        secret.flush()
-        reads = f"serve://{server.place}/arm?token_file={secret.name}"
-        rig = Rig(spec, file, oracle, board_port, free_port(), robot, reads, token, reading, board, stack)
+        stack.callback(robot.close)
+        robot.start()
+        rig = Rig(spec, file, oracle, board_port, free_port(), robot, token, reading, board, stack)
         rig.start()
         stack.callback(lambda: rig.bridge.close())  # noqa: PLW0108  the last one that was started
         yield rig

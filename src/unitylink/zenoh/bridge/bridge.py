@@ -10,7 +10,6 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any
 
-from unitylink.connection import connect
 from unitylink.errors import LinkBusy, LinkDown, UnityLinkError
 from unitylink.interface.wire_hash import wire_hash
 from unitylink.protocol import CONTROL_ARM
@@ -46,8 +45,8 @@ _FIRST_S = 5.0
 class Bridge:
     """Serves `robot`, which has been started, under `keys` until `close`.
 
-    `token` is that of the user as whom all clients come, and `reading` of those who only read. `reads` is
-    the URL by which the robot's server lets publishes be read. `spec_text` is what `pack_spec` returned.
+    `token` is that of the user as whom all clients come, and `reading` of those who only read. `spec_text` is
+    what `pack_spec` returned.
     What is published goes through a session of its own. So a reader that is slow holds up no request and no
     stop.
 
@@ -63,7 +62,6 @@ class Bridge:
         spec_text: str,
         *,
         token: str,
-        reads: str,
         reading: str = "",
     ) -> None:
         self.robot, self.keys, self.id = robot, keys, secrets.token_hex(8)
@@ -71,8 +69,7 @@ class Bridge:
         self.ended = threading.Event()
         self.refusals = Refusals()
         self.hash = f"{wire_hash(robot.spec):016x}"
-        self._reads, self._spec_text = reads, spec_text
-        self._reader: Link | None = None  # of the publishes
+        self._spec_text = spec_text
         self._guests = Guests(robot, keys, token, reading=reading, bridge=self.id, spec_hash=self.hash)
         self._guests.ended = self._let_go
         self._executor = Executor(robot)
@@ -84,7 +81,7 @@ class Bridge:
             self._session: zenoh.Session = stack.enter_context(network.opened())
             self._out: zenoh.Session = stack.enter_context(publishing.opened())
             self._refuse_second()
-            self._groups = Groups(self._reading, self._words_publisher)
+            self._groups = Groups(robot.board_link, self._words_publisher)
             self._requests = Requests(
                 self._executor,
                 self._guests.visits,
@@ -253,15 +250,6 @@ class Bridge:
         self._groups.clear()
         if self._served is not None:
             self._served[1].forget()
-        if self._reader is not None:
-            self._reader.close()
-
-    def _reading(self) -> Link:
-        """Return the link that reads publishes. Only `Groups` calls it, with its lock."""
-        self.robot.board_link()
-        if self._reader is None or self._reader.closed:
-            self._reader = connect(self._reads, reconnect=True)
-        return self._reader
 
     # ---- who is there
 
