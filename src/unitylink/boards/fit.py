@@ -11,6 +11,8 @@ from unitylink.errors import BoardError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.report.suggest import nearest
 
+from .manifest import Board
+
 Setting = Union[int, str, bool]
 
 
@@ -68,6 +70,15 @@ def remedies(configuration: BoardConfiguration) -> Iterator[str]:
             parts += [f"{one.memories} block RAM{'s'[: one.memories > 1]}"] if one.memories else []
             yield f"{one.option}: {one.what}, about {' and '.join(parts)} less"
     yield "fewer words in the spec, or a narrower DATA of its link: each bit of a word takes a flip-flop"
+
+
+def too_large(board: Board, configuration: BoardConfiguration, why: str) -> BoardError:
+    """Return the error for a design that does not fit on `board`, with what would help."""
+    helps = "".join(f"\n  {remedy}" for remedy in remedies(configuration))
+    return BoardError(
+        f"the design does not fit on {board.title}: {why}\n"
+        f"What would help, and by how much on an iCE40:{helps}"
+    )
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, Setting]:

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import json
-import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,20 +17,20 @@ from unitylink.spec.isochrony.budget import DeviceBudget, budget
 from unitylink.spec.isochrony.latency import BITS_PER_BYTE
 from unitylink.spec.model import Spec
 
-from .families import FAMILIES, Family, overflow
-from .fit import remedies
+from .families import FAMILIES
+from .fit import too_large
 from .folder import make_folder
 from .line import check_line, told_baud_hz
 from .logic import Logic, Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
 from .memories import memories_of, shortage
 from .pins import TRIPPED, Pinout, assign_pins, lines_of
+from .placement import Placing, place
 from .pll import Pll, pll_of
-from .report import Area, Report, budget_of, forget
+from .report import Report, budget_of, forget
 from .wrapper import NAME, constraints, has_reset, wrapper
 
 Tell = Callable[[str], None]
-_NO_PLACEMENT = "Unable to find legal placement"  # also on a chip with room: another seed may
 _LINES_SHOWN = 6
 
 
@@ -111,7 +109,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         assertions=False,
     )
     if too_many := shortage(memories_of(verilog, logic.top), board.device):
-        raise _too_large(order, configuration, "\n  ".join(too_many))
+        raise too_large(board, configuration, "\n  ".join(too_many))
     ports = ports_of(verilog, logic.top)
     pinout = assign_pins(board, lines_of(ports), order.pins, logic.components)
     (folder / "design.v").write_text(verilog, encoding="utf-8")
@@ -119,7 +117,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     (folder / f"board.{family.constraints}").write_text(constraints(board, pinout), encoding="utf-8")
     tell(f"yosys maps it on {board.family}")
     map_cells(family.synthesis, NAME, ["design.v", "board.v"], "board.json", folder)
-    placed = _place(design.place_command, family, order, configuration, clock_hz=clock_hz, tell=tell)
+    placing = Placing(board, configuration, design.place_command, folder, clock_hz, order.seeds)
+    placed = place(placing, tell)
     tell("the bitstream is packed")
     _run(family.pack_command(f"board.{family.routed[1]}", design.bitstream), folder)
     notices = [*logic.notices, *pinout.notices, *board.notes]
@@ -140,6 +139,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         clock_hz=clock_hz,
         fmax_hz=placed.fmax_hz,
         seed=placed.seed,
+        placer=placed.placer,
         area=placed.area,
         baud_hz=baud_hz,
         url=link_url(board, baud_hz),
@@ -203,117 +203,6 @@ def rates(spec: Spec, order: Order) -> tuple[int, int]:
         )
     check_line(clock_hz, baud_hz)
     return clock_hz, baud_hz
-
-
-@dataclass(frozen=True)
-class _Placed:
-    fmax_hz: int
-    link_fmax_hz: int | None  # the highest rate of the clock that the link's chip gives
-    seed: int
-    area: tuple[Area, ...]
-
-
-def _place(
-    command: Sequence[str],
-    family: Family,
-    order: Order,
-    configuration: BoardConfiguration,
-    *,
-    clock_hz: int,
-    tell: Tell,
-) -> _Placed:
-    """Place and route with one seed after another until all cells have a place and the clock is met.
-
-    Raises BoardError if none meets it.
-    """
-    option, ending = family.routed
-    best = link_best = unplaced = 0
-    for seed in range(1, order.seeds + 1):
-        tell(f"nextpnr places and routes, seed {seed}")
-        files = ["--json", "board.json", f"--{family.constraints}", f"board.{family.constraints}"]
-        files += [option, f"board.{ending}", "--report", "timing.json"]
-        options = ["--freq", f"{clock_hz / 1e6:.6f}", "--seed", str(seed), "--timing-allow-fail"]
-        ended = run_tool([*command, *files, *options], order.folder, joined=True)
-        (order.folder / "nextpnr.log").write_text(ended.out, encoding="utf-8")
-        if _NO_PLACEMENT in ended.out and not overflow(ended.out):
-            unplaced += 1
-            tell(f"seed {seed} finds no place for all cells")
-            continue
-        if ended.code != 0:
-            raise _refused(order, configuration, ended.out)
-        timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
-        fmax_hz, link_fmax_hz = fmax(timing["fmax"], order.board.link_clock)
-        if link_fmax_hz is not None and link_fmax_hz < CHIP_CLOCK_HZ:
-            link_best = max(link_best, link_fmax_hz)
-            tell(
-                f"seed {seed} reaches {link_fmax_hz / 1e6:.1f} MHz of the chip's {CHIP_CLOCK_HZ / 1e6:g} MHz"
-            )
-            continue
-        best = max(best, fmax_hz)
-        if fmax_hz >= clock_hz:
-            used = timing["utilization"]
-            area = tuple(
-                Area(what, used[cell]["used"], used[cell]["available"])
-                for cell, what in family.area
-                if cell in used
-            )
-            return _Placed(fmax_hz, link_fmax_hz, seed, area)
-        tell(f"seed {seed} reaches {fmax_hz / 1e6:.1f} of {clock_hz / 1e6:.6g} MHz")
-    if unplaced == order.seeds:
-        raise BoardError(
-            f"nextpnr finds no place for all cells with {order.seeds} seeds, although the chip has enough of "
-            f"them: try more with --seeds, or a larger chip. Its whole output: {order.folder / 'nextpnr.log'}"
-        )
-    if not best:
-        raise BoardError(
-            f"the link is too slow for its chip's clock: {link_best / 1e6:.1f} MHz at best of {order.seeds} "
-            f"seeds, and {CHIP_CLOCK_HZ / 1e6:g} MHz are needed: try more with --seeds"
-        )
-    raise BoardError(
-        f"the design is too slow for its clock: {best / 1e6:.1f} MHz at best of {order.seeds} seeds, and "
-        f"{clock_hz / 1e6:.6g} MHz are needed; --clock-hz {int(best // 1e6) * 1_000_000} would do, or try "
-        f"more with --seeds. The path that is too long is in {order.folder / 'timing.json'}"
-    )
-
-
-def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> tuple[int, int | None]:
-    """Return nextpnr's guaranteed rate of the design's clock.
-
-    If a chip's pin gives a clock, also return the rate of that one.
-
-    >>> fmax({"clock_": {"achieved": 50.0}, "$glbnet$FIFO_CLK$IN": {"achieved": 90.5}}, "FIFO_CLK")
-    (50000000, 90500000)
-    >>> fmax({"clock_": {"achieved": 50.0}}, None)
-    (50000000, None)
-    """
-    best: dict[bool, int] = {}  # whether it is the link's clock -> rate
-    for name, clock in clocks.items():
-        of_link = link_clock is not None and link_clock in name.split("$")
-        best[of_link] = min(best.get(of_link, sys.maxsize), int(clock["achieved"] * 1e6))
-    if link_clock is not None and True not in best:
-        raise ToolError(f"nextpnr reports no clock on {link_clock}, only of {', '.join(clocks) or 'none'}")
-    return best.get(False, 0), best.get(True)
-
-
-def _too_large(order: Order, configuration: BoardConfiguration, why: str) -> BoardError:
-    helps = "".join(f"\n  {remedy}" for remedy in remedies(configuration))
-    return BoardError(
-        f"the design does not fit on {order.board.title}: {why}\n"
-        f"What would help, and by how much on an iCE40:{helps}"
-    )
-
-
-def _refused(order: Order, configuration: BoardConfiguration, said: str) -> BoardError | ToolError:
-    """Explain in our words why nextpnr gave up."""
-    if too_many := overflow(said):
-        text = ", ".join(f"{used} {cell} and it has {there}" for cell, used, there in too_many)
-        return _too_large(order, configuration, f"it takes {text}.")
-    lines = [line for line in said.splitlines() if "ERROR" in line] or said.strip().splitlines()[
-        -_LINES_SHOWN:
-    ]
-    return ToolError(
-        f"nextpnr failed (its whole output: {order.folder / 'nextpnr.log'}):\n" + "\n".join(lines)
-    )
 
 
 def _run(command: Sequence[str], folder: Path) -> None:

@@ -28,6 +28,8 @@ class Area:
 class Report:
     """`fmax_hz` is nextpnr's guarantee for the design's clock, `clock_hz` is its rate.
 
+    `seed` and `placer` are the options with which nextpnr met it.
+
     `words` says for each bit of a port that is one of a word: (address, bit).
     """
 
@@ -40,6 +42,7 @@ class Report:
     clock_hz: int
     fmax_hz: int
     seed: int
+    placer: str
     area: tuple[Area, ...]
     baud_hz: int
     url: str
@@ -62,7 +65,7 @@ class Report:
         slack = self.fmax_hz / self.clock_hz - 1
         lines.append(
             f"  clock       {_mhz(self.clock_hz)}; the design reaches {_mhz(self.fmax_hz)} "
-            f"({slack:+.0%}), seed {self.seed}"
+            f"({slack:+.0%}), seed {self.seed}, placer {self.placer}"
         )
         for area in self.area:
             share = f"{area.used / area.available:.0%}" if area.available else "-"

