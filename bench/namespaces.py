@@ -2,7 +2,7 @@
 """Robots, routers and readers in network namespaces, as on machines of their own. Needs root.
 
     python bench/namespaces.py
-    python bench/namespaces.py --robots 64 --machines 8 --routers 2
+    python bench/namespaces.py --robots 64 --machines 8 --set-points 0
 
 Virtual cables join them to a switch, which can drop what goes to one of them, or slow it down. One after the
 other: all is well; a reader is slow; a board dies; a router is killed, and comes back; the robots are cut off
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import os
 import signal
 import tempfile
@@ -51,19 +52,20 @@ SLOW_RATE = "100kbit"
 def described(
     folder: Path, robots: int, router: str, *, machines: int = 1, rate_hz: int = 100, look_s: float = 0.001
 ) -> tuple[Fleet, list[Fleet]]:
-    """Write and read the description of all robots, and that of each machine. The router is elsewhere."""
+    """Write and read the description of all robots, and that of each machine. The router is elsewhere.
+
+    An oracle on each board looks every `look_s`. 0: there is none.
+    """
     items = "".join(f"@v{n} = 0x{0x10 + n:X}: READ(PUBLISH({rate_hz} Hz)); " for n in range(WORDS - 1))
     count = f"@count = 0x30: READ(PUBLISH({rate_hz} Hz)); "
     (folder / "arm.ul").write_text(
         f"public arm() {{ {items}{count}@stamp = {STAMP:#x}: u32 WRITE(SAFE=0); }}\n"
     )
     (folder / "oracle.py").write_text(oracle(STAMP, look_s))
+    link = "sim:arm.ul?plant=oracle.py" if look_s else "sim:arm.ul"
 
     def fleet(name: str, numbers: Sequence[int]) -> Fleet:
-        rows = "".join(
-            f'[[robot]]\nname = "r{n}"\nkey = "bench/r{n}"\nlink = "sim:arm.ul?plant=oracle.py"\n'
-            for n in numbers
-        )
+        rows = "".join(f'[[robot]]\nname = "r{n}"\nkey = "bench/r{n}"\nlink = "{link}"\n' for n in numbers)
         file = folder / f"{name}.toml"
         file.write_text(f'[fleet]\nname = "{name}"\nconnect = "{router}"\n{rows}')
         return read_fleet(file)
@@ -151,7 +153,11 @@ def main() -> None:
         "--cut", type=float, default=10.0, metavar="S", help="how long the robots are cut off"
     )
     parser.add_argument(
-        "--set-points", type=float, default=50.0, metavar="HZ", help="to each robot (%(default)g)"
+        "--set-points",
+        type=float,
+        default=50.0,
+        metavar="HZ",
+        help="to each robot (%(default)g); 0: nothing is written, and no oracle looks",
     )
     parser.add_argument(
         "--look", type=float, default=0.001, metavar="S", help="how often an oracle looks (%(default)g)"
@@ -177,7 +183,7 @@ def main() -> None:
             first,
             machines=options.machines,
             rate_hz=options.rate,
-            look_s=options.look,
+            look_s=options.look if options.set_points else 0.0,
         )
         started_s = time.monotonic()
         supervisors = [
@@ -214,18 +220,6 @@ def main() -> None:
         fresh_s = time.monotonic() - back_s
         print(f"-- a router is away for {DOWN_S:g} s: all values are fresh {fresh_s:.2f} s later", flush=True)
         up(fleets)
-        apart_ms = spreads_ms(whole, folder)
-        print(
-            f"-- {len(apart_ms)} of {STARTS} writes to all robots together came to the boards within "
-            f"{apart_ms[len(apart_ms) // 2]:.1f} ms (median), {apart_ms[-1]:.1f} ms at most"
-        )
-        keys, period_s = [robot.key for robot in whole.robots], 1 / options.set_points
-        writers = Writers(stack, keys, last, TTL_S, period_s=period_s, heard_hz=HEARD_HZ)
-        programs |= {
-            "a bridge with its board": [one.pid for one in up(fleets) if one.pid is not None],
-            "a program that sends set-points to up to 8 robots": writers.pids,
-        }
-        measure(readers, options.rate, options.seconds, programs)
 
         def let(through: bool) -> None:
             for one in readers.values() if through else ():
@@ -233,10 +227,32 @@ def main() -> None:
             for name in machines:
                 lab.let(name, through)
 
-        whole_s = cut(writers, let, options.cut)
+        if options.set_points:
+            apart_ms = spreads_ms(whole, folder)
+            print(
+                f"-- {len(apart_ms)} of {STARTS} writes to all robots together came to the boards within "
+                f"{apart_ms[len(apart_ms) // 2]:.1f} ms (median), {apart_ms[-1]:.1f} ms at most"
+            )
+            keys, period_s = [robot.key for robot in whole.robots], 1 / options.set_points
+            writers = Writers(stack, keys, last, TTL_S, period_s=period_s, heard_hz=HEARD_HZ)
+            programs |= {
+                "a bridge with its board": [one.pid for one in up(fleets) if one.pid is not None],
+                "a program that sends set-points to up to 8 robots": writers.pids,
+            }
+            measure(readers, options.rate, options.seconds, programs)
+            whole_s = cut(writers, let, options.cut)
+            judge(folder, writers, TTL_S)
+        else:
+            let(False)
+            time.sleep(options.cut)
+            whole_s = time.monotonic()
+            let(True)
+            until(lambda: not any(math.isnan(one.fresh_s) for one in readers.values()), UP_S)
         fresh_s = max(one.fresh_s for one in readers.values()) - whole_s
-        print(f"the reader of all publishes has fresh ones {fresh_s:.2f} s later")
-        judge(folder, writers, TTL_S)
+        print(
+            f"-- robots are cut off for {options.cut:g} s: "
+            f"the reader of all publishes has fresh ones {fresh_s:.2f} s later"
+        )
         again = sum(one.restarts or 0 for one in up(fleets))
         print(f"bridges were started again: {again}, of which this bench killed 1")
 
