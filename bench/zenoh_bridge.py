@@ -47,7 +47,8 @@ SLOW = """
 import sys, time
 from unitylink.zenoh.session import Network
 with Network(connect=sys.argv[1]).opened() as session:
-    for sample in session.declare_subscriber("lab/fast/publish/**"):
+    kept = session.declare_subscriber("lab/fast/publish/**")
+    for sample in kept:
         print("there", flush=True)
         time.sleep(0.01)
 """
