@@ -3,7 +3,7 @@
 // The class below a generated C++ node, without ROS. `robot_loop URL` does what each line of standard input says, like
 // the thread of a node, and answers with a line. Messages of the robot are lines that begin with `say`. Without a URL,
 // `robot_loop` opens no link, and only converts values.
-//   set NAME NUMBER · hang SECONDS · health · number INDEX RAW · encode INDEX NUMBER
+//   set NAME NUMBER · hang SECONDS · health · number INDEX RAW · encode INDEX NUMBER · joints COUNT NAME... POSITION...
 #include <poll.h>
 
 #include <iostream>
@@ -15,6 +15,26 @@
 
 using every_unitylink_robot::table;
 using every_unitylink_robot::values;
+
+// A sensor_msgs/JointState without ROS.
+struct JointState {
+  std::vector<std::string> name;
+  std::vector<double> position, velocity, effort;
+};
+
+// What a JointState of so many names and then positions sets, or why it is refused.
+std::string joints(std::size_t count, std::istream& words) {
+  JointState message;
+  message.name.resize(count);
+  for (auto& joint : message.name) words >> joint;
+  for (double position; words >> position;) message.position.push_back(position);
+  every_unitylink_robot::Command command;
+  command.joint_state(message);
+  std::ostringstream answer;
+  for (std::size_t i = 0; i < command.indices.size(); ++i)
+    answer << values[command.indices[i]].path << '=' << command.numbers[i] << ' ';
+  return command.why.empty() ? answer.str() : command.why;
+}
 
 int main(int argc, char** argv) {
   std::mutex out;
@@ -40,7 +60,12 @@ int main(int argc, char** argv) {
     if (!std::getline(std::cin, line)) break;
     std::istringstream words(line);
     std::string what, name, number;
-    words >> what >> name >> number;
+    words >> what >> name;
+    if (what == "joints") {
+      tell(joints(std::stoul(name), words));
+      continue;
+    }
+    words >> number;
     if (what == "set") {
       std::string why;
       for (std::uint16_t i = 0; i < table.value_count; ++i) {

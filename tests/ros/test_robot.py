@@ -173,6 +173,21 @@ def test_numbers_are_those_of_python(program: Path) -> None:
     assert not wrong, wrong[:20]
 
 
+def test_a_joint_state_is_taken_whole_or_refused(program: Path) -> None:
+    """As in Python (tests/unit/ros/test_node.py)."""
+    asked = {
+        "2 j_1 j_0 0.5 -0.25": "j[1].pos_sp=0.5 j[0].pos_sp=-0.25",
+        "2 j_0 j_0 0.1 0.2": "the joint 'j_0' is named twice; name each once",
+        "3 j_0 j_1 j_0 0.1 0.2 0.3": "the joint 'j_0' is named twice; name each once",
+        "2 j_0 j_7 0.1 0.2": "no joint is called 'j_7'",
+        "2 j_0 j_1 0.1": "a JointState with another number of names than of values",
+        "0": "the message sets no joint",
+    }
+    lines = "\n".join(f"joints {message}" for message in asked)
+    done = subprocess.run([program], input=lines, capture_output=True, text=True, check=True)
+    assert [line.strip() for line in done.stdout.splitlines()] == list(asked.values())
+
+
 def test_after_a_lost_line_the_outputs_are_safe_and_old_commands_are_gone(program: Path) -> None:
     with Board(SPEC, plant=Still(), endpoint="tcp") as board:
         with running(program, f"{board.url}?timeout=5") as robot:

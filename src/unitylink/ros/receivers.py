@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import isnan
@@ -71,6 +72,9 @@ def _joints(topic: Topic) -> Read:
     def read(message: Any) -> dict[str, Any]:
         numbers: dict[str, Any] = {}
         names = list(message.name)
+        if len(set(names)) < len(names):
+            twice = Counter(names).most_common(1)[0][0]
+            raise ValueRangeError(f"{topic.name}: the joint {twice!r} is named twice; name each once")
         for part in ("position", "velocity", "effort"):
             values = getattr(message, part)
             if len(values) not in (0, len(names)):

@@ -60,6 +60,7 @@ def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> 
         for message, says in (
             (joints(name=["j_0", "j_1"], position=[0.1, 2.0]), "2.0 rad is not in -1 to 1"),
             (joints(name=["j_7"], position=[0.1]), "no joint is called 'j_7'; there are j_0, j_1"),
+            (joints(name=["j_0", "j_0"], position=[0.1, 0.2]), "the joint 'j_0' is named twice"),
             (joints(name=["j_0"], position=[0.1, 0.2]), "2 values of position for 1 names"),
             (joints(name=["j_0"], velocity=[0.1]), "the velocity of j_0 cannot be set"),
             (joints(), "the message sets no joint"),
