@@ -183,6 +183,8 @@ class Link {
   // `id` is the number of the subscription. No number is used twice. After unsubscribe(), earlier publishes can still
   // be drained, until another subscription gets the same group (group_of).
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
+  // Reads each address once, as subscribe() does with `verify`.
+  [[nodiscard]] Outcome verify(std::span<const std::uint32_t> addresses);
   [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept {
     return id % protocol::limits::groups_max;
   }
@@ -258,8 +260,10 @@ class Link {
   void withdraw(Exchange& exchange);  // gives a queued request up
   // From now on `tap` gets all publishes of a framed link, too. nullptr: no longer.
   void tap_publishes(PublishTap* tap);
-  // From now on the publishes of a subscription are kept until they are drained, up to `ring`. 0: no more are kept.
-  void keep_publishes(std::uint32_t id, std::size_t ring);
+  // A subscription of which nothing is kept gets a listener, who can drain up to `ring` publishes, and a new number.
+  [[nodiscard]] Outcome keep_publishes(std::uint32_t& id, std::size_t ring);
+  // For the listener this is the end of the subscription. The device goes on, for a tap.
+  void keep_no_more(std::uint32_t id);
 
   // The time of deadlines and publishes: real time, or the robot time of the virtual boards in this process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
@@ -354,6 +358,7 @@ class Link {
   [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
 
   // subscriptions (link_subscriptions.cpp)
+  [[nodiscard]] static Outcome check_ring(std::size_t ring, std::size_t words);
   [[nodiscard]] Outcome check_subscription(const SubscriptionRequest& request);
   [[nodiscard]] Outcome quiet_device();
   [[nodiscard]] Outcome configure_group(std::uint32_t group, Subscription& subscription);
@@ -416,6 +421,7 @@ class Link {
   bool reader_leading_ = false;  // the leader does not wait for an answer
   bool attended_ = false;        // the leader is a thread that calls attend()
   bool reader_rests_ = false;    // while another thread waits for publishes and reads
+  bool reader_patient_ = false;  // it waits longer than at first for those who wait for publishes
   unsigned followers_ = 0;       // threads that wait for turn_
   unsigned callers_ = 0;         // threads that wait for answers, the leader included
   std::uint64_t last_call_ns_ = 0;

@@ -96,16 +96,26 @@ void Link::tap_publishes(PublishTap* tap) {
   engine_->tap(tap);
 }
 
-void Link::keep_publishes(std::uint32_t id, std::size_t ring) {
+Outcome Link::keep_publishes(std::uint32_t& id, std::size_t ring) {
   const std::scoped_lock lock(mutex_);
   Subscription* const subscription = find(id);
   if (subscription == nullptr) {
-    return;
+    return {Status::closed, "the subscription is closed"};
   }
-  if (ring == 0) {
+  if (Outcome outcome = check_ring(ring, subscription->ring.words()); !outcome.ok()) {
+    return outcome;
+  }
+  subscription->ring = PublishRing(subscription->ring.words(), ring);
+  id = subscription->id += protocol::limits::groups_max;  // an earlier listener may still ask by its number
+  return {};
+}
+
+void Link::keep_no_more(std::uint32_t id) {
+  const std::scoped_lock lock(mutex_);
+  if (Subscription* const subscription = find(id); subscription != nullptr) {
     subscription->ring.keep_no_more();
-  } else {
-    subscription->ring = PublishRing(subscription->ring.words(), ring);
+    subscriptions_ended_ += 1;
+    announce();
   }
 }
 

@@ -123,8 +123,11 @@ void Link::read_loop() noexcept {
       idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), reader_look_ns)));
       reader_rests_ = false;
     } else if (listeners_ > 0 || heard_ns < reader_patience_ns) {
-      idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), patience_ns)));
-      patience_ns = std::min(2 * patience_ns, reader_patience_most_ns);
+      reader_patient_ = patience_ns > reader_patience_ns;
+      const auto end = idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), patience_ns)));
+      reader_patient_ = false;
+      const bool woken = end == std::cv_status::no_timeout;  // perhaps by a request whose caller does not read
+      patience_ns = woken ? reader_patience_ns : std::min(2 * patience_ns, reader_patience_most_ns);
     } else {
       stand_in(lock, idle_, look);
       patience_ns = reader_patience_ns;
@@ -139,7 +142,7 @@ bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
     return false;
   }
   const std::shared_ptr<Subscription> subscription = subscriptions_[group_of(id)];
-  listen(lock, timeout_ns, [&] { return subscription->ring.size() > 0 || !subscription->open; });
+  listen(lock, timeout_ns, [&] { return subscription->ring.size() > 0 || !subscription->heard(); });
   return subscription->ring.size() > 0;
 }
 

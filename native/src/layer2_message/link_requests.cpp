@@ -386,6 +386,9 @@ void Link::submit(Call& call) {
   const std::scoped_lock lock(mutex_);
   reader_kept_ = true;
   submit_all(call.exchanges);
+  if (reader_patient_) {  // the answer must not wait for it, if a callback takes long
+    idle_.notify_one();
+  }
   if (leading_ && (blocked_ || engine_->next_deadline_ns() < leading_until_ns_)) {
     wake();
   }

@@ -16,6 +16,9 @@ struct Link::Subscription {
         on_event(request.on_event),
         ring(request.addresses.size(), request.kept ? request.ring : 0) {}
 
+  // Whether a listener can still get publishes.
+  [[nodiscard]] bool heard() const noexcept { return open && ring.keeps(); }
+
   std::uint32_t id = 0;  // the group, plus 256 for each earlier subscription of this group
   std::vector<std::uint32_t> addresses;
   std::uint32_t divisor;

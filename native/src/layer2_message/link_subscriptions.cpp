@@ -114,6 +114,14 @@ Outcome Link::quiet_device() {
   return {};
 }
 
+Outcome Link::check_ring(std::size_t ring, std::size_t words) {
+  if (ring == 0 || ring > ring_words_max / words) {
+    return {Status::range, "subscribe: a ring of " + std::to_string(ring) + " publishes; 1 to " +
+                               std::to_string(ring_words_max / words) + " of this size can be kept"};
+  }
+  return {};
+}
+
 Outcome Link::check_subscription(const SubscriptionRequest& request) {
   if (mapped_ && request.on_event) {
     return cannot("mapped memory has no events: publish at a rate, which is polled");
@@ -142,9 +150,8 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
                                std::to_string(divisor_max) + ", the most this gateware can count (base " +
                                std::to_string(configuration_.base_hz) + " Hz)"};
   }
-  if (request.ring == 0 || request.ring > ring_words_max / request.addresses.size()) {
-    return {Status::range, "subscribe: a ring of " + std::to_string(request.ring) + " publishes; 1 to " +
-                               std::to_string(ring_words_max / request.addresses.size()) + " of this size can be kept"};
+  if (Outcome outcome = check_ring(request.ring, request.addresses.size()); !outcome.ok()) {
+    return outcome;
   }
   for (std::size_t index = 0; index < request.addresses.size(); ++index) {
     if (Outcome outcome = check_address(request.addresses[index], index); !outcome.ok()) {
@@ -200,15 +207,22 @@ Outcome Link::configure_group(std::uint32_t group, Subscription& subscription) {
   return subscription.on_event ? set_event(group, true) : Outcome{};
 }
 
+Outcome Link::verify(std::span<const std::uint32_t> addresses) {
+  std::vector<std::uint32_t> values(addresses.size());
+  Outcome outcome = read_each(addresses, values, repeatable);
+  if (!outcome.ok()) {
+    outcome.text = "subscribe: every address is read once before it is published, and " + outcome.text;
+  }
+  return outcome;
+}
+
 Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
   const std::scoped_lock one_at_a_time(configuring_);
   if (Outcome outcome = check_subscription(request); !outcome.ok()) {
     return outcome;
   }
   if (request.verify) {
-    std::vector<std::uint32_t> values(request.addresses.size());
-    if (Outcome outcome = read_each(request.addresses, values, repeatable); !outcome.ok()) {
-      outcome.text = "subscribe: every address is read once before it is published, and " + outcome.text;
+    if (Outcome outcome = verify(request.addresses); !outcome.ok()) {
       return outcome;
     }
   }
@@ -336,7 +350,7 @@ Link::Subscription* Link::find(std::uint32_t id) const noexcept {
 bool Link::subscribed(std::uint32_t id) {
   const std::scoped_lock lock(mutex_);
   const Subscription* subscription = find(id);
-  return subscription != nullptr && subscription->open;
+  return subscription != nullptr && subscription->heard();
 }
 
 std::size_t Link::words(std::uint32_t id) {

@@ -5,6 +5,7 @@
 // another's awake. If one trips, the board's trips. The board has one dead-man, with the shortest limit of all, that of
 // the server's own link included. It watches the server: if the server ends or hangs, it trips by itself.
 #include <algorithm>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -80,10 +81,15 @@ Outcome BoardServer::arm(const RequestOptions& how) {
 }
 
 Outcome BoardServer::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
+  if (request.verify) {  // by this thread: that of the server waits for no address that does not answer
+    if (Outcome outcome = upstream_.link().verify(request.addresses); !outcome.ok()) {
+      return outcome;
+    }
+  }
   return ordered([&](BoardServer& self) {
     return self.fan_out_.listen(
         {{request.addresses.begin(), request.addresses.end()}, request.divisor, request.on_event, request.group},
-        request.verify, request.ring, id);
+        request.ring, id);
   });
 }
 
@@ -111,7 +117,11 @@ void BoardServer::obey(bool ending) {
   }
   upstream_.link().leave();
   for (Order* const order : std::exchange(orders_, {})) {
-    order->outcome = ending ? Outcome(Status::closed, "the server has ended") : order->act(*this);
+    try {
+      order->outcome = ending ? Outcome(Status::closed, "the server has ended") : order->act(*this);
+    } catch (const std::bad_alloc&) {  // of a large ring: the other clients go on
+      order->outcome = Outcome(Status::range, "there is not enough memory for it");
+    }
   }
   obeyed_.notify_all();
 }

@@ -13,22 +13,21 @@ Outcome FanOut::add(const Reader& reader, Definition definition) {
     return {};
   }
   std::uint32_t subscription = 0;
-  // the client has verified the addresses, if it wants
   return open({.definition = std::move(definition), .subscription = 0, .readers = {reader}},
               {.addresses = {}, .verify = false, .kept = false}, subscription);
 }
 
-Outcome FanOut::listen(Definition definition, bool verify, std::size_t ring, std::uint32_t& subscription) {
+Outcome FanOut::listen(Definition definition, std::size_t ring, std::uint32_t& subscription) {
   const auto found = std::ranges::find_if(
       groups_, [&definition](const Group& group) { return group.definition == definition && !group.heard; });
   if (found != groups_.end()) {
-    found->heard = true;
+    Outcome outcome = link_.keep_publishes(found->subscription, ring);
+    found->heard = outcome.ok();
     subscription = found->subscription;
-    link_.keep_publishes(subscription, ring);
-    return {};
+    return outcome;
   }
   return open({.definition = std::move(definition), .subscription = 0, .readers = {}, .heard = true},
-              {.addresses = {}, .verify = verify, .ring = ring}, subscription);
+              {.addresses = {}, .verify = false, .ring = ring}, subscription);
 }
 
 Outcome FanOut::hush(std::uint32_t subscription) {
@@ -36,7 +35,7 @@ Outcome FanOut::hush(std::uint32_t subscription) {
     if (group.subscription == subscription && group.heard) {
       group.heard = false;
       if (!group.readers.empty()) {
-        link_.keep_publishes(subscription, 0);
+        link_.keep_no_more(subscription);
       }
     }
   }

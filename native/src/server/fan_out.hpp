@@ -37,8 +37,9 @@ class FanOut {
   [[nodiscard]] Outcome add(const Reader& reader, Definition definition);
   void remove(const Reader& reader);
   void remove(const Session& session);
-  // Keeps up to `ring` publishes in the link, for a listener in this program: Link::drain(subscription).
-  [[nodiscard]] Outcome listen(Definition definition, bool verify, std::size_t ring, std::uint32_t& subscription);
+  // As add(), without verifying an address. Keeps up to `ring` publishes in the link, for a listener in this program:
+  // Link::drain(subscription).
+  [[nodiscard]] Outcome listen(Definition definition, std::size_t ring, std::uint32_t& subscription);
   [[nodiscard]] Outcome hush(std::uint32_t subscription);
   // Who gets the publishes of this group of the board.
   [[nodiscard]] std::span<const Reader> readers(std::uint32_t group) const noexcept;

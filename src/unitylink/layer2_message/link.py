@@ -315,7 +315,7 @@ class Link(LinkReset, LinkTime, LinkLoop):
         identity = at.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
         return Subscription(
-            self._native, self._callbacks, identity, words, divisor, at.unsubscribe, keep=self
+            self._native, self._callbacks, identity, words, divisor, release=at.unsubscribe, keep=self
         )
 
     # ---- the device itself

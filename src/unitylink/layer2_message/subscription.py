@@ -49,17 +49,17 @@ class Subscription:
         identity: int,
         addresses: tuple[int, ...],
         divisor: int,
-        release: Callable[[int], None],
         *,
+        release: Callable[[int], None],
         keep: object = None,
     ) -> None:
-        """Made by Link.subscribe. `keep`, the link, lives as long as this. `release(identity)` ends the publishes."""
+        """Made by Link.subscribe. `keep`, the link, lives as long as this. `release(identity)` ends it."""
         self.group = identity % GROUPS_MAX
         self.addresses = addresses
         self._words = len(addresses)
         self.divisor = divisor
         self._keep = keep
-        self._release, self._released = release, False
+        self._release = release
         self._native = native
         self._identity = identity
         self._callbacks = callbacks
@@ -201,7 +201,6 @@ class Subscription:
             if not native.closed:
                 self._release(self._identity)
         finally:
-            self._released = True
             try:
                 if not within and (self.ended or native.closed):
                     self._callbacks.finish(self)
@@ -227,7 +226,7 @@ class Subscription:
     @property
     def ended(self) -> bool:
         """Whether it was closed, so that nothing comes any more."""
-        return not self._open and (self._released or not self._native.subscribed(self._identity))
+        return not self._open and not self._native.subscribed(self._identity)
 
     def hush(self) -> None:
         """Call the callback no more. The publishes that have come can then be drained."""

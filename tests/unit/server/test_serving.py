@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import re
 import socket
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -25,7 +27,9 @@ from unitylink.errors import (
     LinkClosed,
     LinkNotFound,
     UrlError,
+    ValueRangeError,
 )
+from unitylink.layer2_message import Subscription
 from unitylink.server import serving
 from unitylink.server.audit import Audit
 from unitylink.server.metrics import write_metrics
@@ -229,6 +233,45 @@ def test_a_group_is_shared_with_a_program_that_serves_the_board(one: Served, fir
         assert hers.missing == hers.lost == ours.missing == ours.lost == link.statistics().overruns == 0
     with link.subscribe([0x12], divisor=10) as alone:  # nobody else is there, so its own thread reads
         assert alone.wait(5)
+
+
+def test_a_program_ends_a_subscription_that_a_client_shares(one: Served) -> None:
+    """For the program it has ended: nothing waits, and the next subscription is another one."""
+    link = one.robot.board_link()
+
+    async def count(over: Subscription) -> int:
+        return len([publish async for publish in over])
+
+    with one.link() as ana, ana.subscribe([0x12], divisor=10):
+        ours, waited = link.subscribe([0x12], divisor=10), link.subscribe([0x13], divisor=60_000)
+        with ana.subscribe([0x13], divisor=60_000), ThreadPoolExecutor() as threads:
+            assert ours.wait(5)
+            counted = threads.submit(asyncio.run, count(ours))
+            forlorn = threads.submit(waited.wait, 60)
+            until(lambda: ours.available == 0)
+            assert one.robot.report()["groups"] == 2
+            waited.close()
+            ours.close()
+            assert counted.result(10) > 0
+            with pytest.raises(LinkClosed, match="the subscription is closed"):
+                forlorn.result(10)
+        with link.subscribe([0x12], divisor=10) as next_one:
+            assert next_one.wait(5) and ours.available == 0 == len(ours.drain()[0])
+            ours.close()
+            next_one.drain()
+            assert next_one.wait(5)
+
+
+def test_a_shared_subscription_of_a_program_is_checked_as_any_other(one: Served) -> None:
+    link = one.robot.board_link()
+    with one.link() as ana, ana.subscribe([REFUSED], divisor=10, verify=False):
+        for ring in (0, 1 << 30):
+            with pytest.raises(ValueRangeError, match=f"a ring of {ring} publishes; 1 to "):
+                link.subscribe([REFUSED], divisor=10, verify=False, ring=ring)
+        with pytest.raises(BusError, match="every address is read once before it is published"):
+            link.subscribe([REFUSED], divisor=10)
+        with link.subscribe([REFUSED], divisor=10, verify=False):
+            assert one.robot.report()["groups"] == 1
 
 
 def test_a_board_without_a_free_group_says_so(one: Served) -> None:
