@@ -55,5 +55,15 @@ def test_the_oldest_of_too_many_queries_get_no_answer_and_idle_threads_sleep() -
         assert sorted(map(int, over)) == list(range(10)) and not answers
         go_on.set()
         until(lambda: len(over) == WAITING_MAX + 12)
-        queries.close()
-    assert set(answers) == {"first0", "first1", *map(str, range(10, WAITING_MAX + 10))}
+        assert set(answers) == {"first0", "first1", *map(str, range(10, WAITING_MAX + 10))}
+        go_on.clear()
+        for name in ("last0", "last1", "waits"):
+            ask(name)
+        until(lambda: len(begun) == WAITING_MAX + 4)
+        closing = threading.Thread(target=queries.close)
+        closing.start()
+        until(lambda: "waits" in over)
+        assert not {"last0", "last1"} & set(over)
+        go_on.set()
+        closing.join(10)
+        assert not closing.is_alive() and "waits" not in answers

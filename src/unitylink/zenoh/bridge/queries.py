@@ -67,6 +67,9 @@ class Queries:
         self._closed = True
         for queryable in self._queryables:
             queryable.undeclare()
+        with suppress(Empty):
+            while True:
+                self._waiting.get_nowait()  # who asked learns it now, and not when the last answer is given
         for _ in self._threads:
             self._waiting.put(None)
         for thread in self._threads:
