@@ -225,7 +225,7 @@ def test_record_writes_episodes(
     place = names.index("j[0].position")
     steps = [later[place] - earlier[place] for earlier, later in pairwise(times)]
     near = [(step + 2_000_000) % 10_000_000 < 4_000_000 for step in steps]
-    assert sum(near) > 0.7 * len(near), "published each 10 ms; a busy machine may learn the board's clock late"
+    assert sum(near) > 0.7 * len(near), "published each 10 ms; a busy machine learns the clock late"
     own = json.loads((folder / "meta/unitylink.json").read_text())
     assert own["units"]["j[0].position"] == "rad" and len(own["lost"]) == 2
     assert main(["record", url, "j[0].position", "--lerobot", str(tmp_path / "no"), "--count", "3"]) == 1
