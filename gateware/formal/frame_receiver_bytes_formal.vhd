@@ -39,7 +39,7 @@ entity frame_receiver_bytes_formal is
     -- Observed signals of the design.
     present     : in std_ulogic_vector(2 downto 0);
     delay       : in std_ulogic_vector(23 downto 0);   -- the newest byte first
-    in_cobs, coded_kept, whole, too_long, ended, fits : in std_ulogic;
+    in_cobs, coded_kept, whole, too_long, ended, fits, at_code : in std_ulogic;
     run_kept, length_kept : in unsigned(7 downto 0);
     stores      : in std_ulogic;
     stored      : in byte_t;
@@ -262,8 +262,9 @@ begin
     ok := (bytes = 0 and present = "000") or (bytes = 1 and present = "001") or (bytes = 2 and present = "011") or
           ((bytes = 3 or bytes = 4) and present = "111");
     ok := ok and headed = to_bit(bytes = 4) and in_cobs = headed and coded_kept = coded and run_kept = run and
-          whole = no_zero and (ended = '0' or bytes = 0) and (fits = '0' or ended = '1') and
-          (coded = '0' or headed = '1') and (coded = '1' or (run = 0 and size = 0 and no_zero = '1')) and
+          at_code = to_bit(run = 0) and whole = no_zero and (ended = '0' or bytes = 0) and
+          (fits = '0' or ended = '1') and (coded = '0' or headed = '1') and
+          (coded = '1' or (run = 0 and size = 0 and no_zero = '1')) and
           (bytes < 1 or delay(23 downto 16) = last_1) and (bytes < 2 or delay(15 downto 8) = last_2) and
           (bytes < 3 or delay(7 downto 0) = last_3);
     ok := ok and length_kept <= payload_most and (ended = '1' or too_long = to_bit(length_kept = payload_most));

@@ -32,7 +32,8 @@ entity frame_receiver_formal is
     present     : in std_ulogic_vector(2 downto 0);
     kind_kept   : in byte_t;
     delay       : in std_ulogic_vector(23 downto 0);   -- the newest byte first
-    outside_kept, in_cobs, coded_kept, whole, beyond, too_long, closed_before : in std_ulogic;
+    outside_kept, in_cobs, coded_kept, whole, beyond, too_long, closed_before, at_code : in std_ulogic;
+    planned     : in entry_t;
     crc_kept    : in crc16_t;
     run_kept, length_kept : in unsigned(7 downto 0);
     record_in   : in std_ulogic_vector(15 downto 0);
@@ -209,13 +210,18 @@ begin
     ok := (bytes = 0 and present = "000") or (bytes = 1 and present = "001") or (bytes = 2 and present = "011") or
           ((bytes = 3 or bytes = 4) and present = "111");
     ok := ok and headed = to_bit(bytes = 4) and in_cobs = headed and coded_kept = coded and run_kept = run and
-          whole = closed and (closed_before = '0' or bytes = 0) and (coded = '0' or headed = '1') and
-          (coded = '1' or (run = 0 and size = 0 and closed = '1'));
+          at_code = to_bit(run = 0) and whole = closed and (closed_before = '0' or bytes = 0) and
+          (coded = '0' or headed = '1') and (coded = '1' or (run = 0 and size = 0 and closed = '1'));
     if bytes > 0 then
       ok := ok and delay(23 downto 16) = last_1 and crc_kept = crc and outside_kept = outside and
             outside = to_bit(kind_kept = x"80" or kind_kept = x"81") and last_1 /= x"00" and
             (bytes < 2 or (delay(15 downto 8) = last_2 and last_2 /= x"00")) and
             (bytes < 3 or (delay(7 downto 0) = last_3 and last_3 /= x"00"));
+    end if;
+    if bytes > 1 and outside = '1' then
+      ok := ok and (unsigned(planned) = entry_hello or unsigned(planned) = entry_open);
+    elsif bytes > 1 then
+      ok := ok and (unsigned(planned) < entry_hello or unsigned(planned) = entry_kind);
     end if;
     if closed_before = '0' then
       ok := ok and beyond = to_bit(length_kept > request_max) and too_long = to_bit(length_kept > request_max + 2) and

@@ -74,6 +74,7 @@ architecture rtl of frame_receiver is
   signal coded    : std_ulogic := '0';  -- and so has the first code byte
   signal crc      : crc16_t := (others => '0');
   signal run      : unsigned(7 downto 0) := (others => '0');  -- bytes left in the block
+  signal at_code  : std_ulogic := '1';  -- no byte is left: the one that leaves the delay is a code byte
   signal whole    : std_ulogic := '1';  -- the block before has no zero at its end
   signal length   : unsigned(7 downto 0) := (others => '0');
   signal beyond   : std_ulogic := '0';  -- the payload is longer than that of a request
@@ -86,12 +87,14 @@ architecture rtl of frame_receiver is
   signal write_index : index_t;                     -- place of the next byte
   signal accepts, border, stores, outside_now : std_ulogic;
   signal free_bytes : index_t := (others => '1');   -- of the ring, a clock ago
-  signal at_code                  : std_ulogic;  -- the byte that leaves the delay is a code byte
   signal stored                   : byte_t;
   signal full                     : std_ulogic := '0';
   signal paused                   : std_ulogic := '0';
 
+  signal planned      : entry_t := (others => '0');      -- the entry of `kind`, a clock after it
   signal judged       : std_ulogic;                      -- a frame ends
+  signal wrong        : std_ulogic;                      -- its check or its COBS is wrong
+  signal shut         : std_ulogic;                      -- it belongs to a session, and none is open
   signal verdict      : entry_t;
   signal pauses       : std_ulogic;
   signal kept         : std_ulogic;
@@ -129,54 +132,69 @@ begin
 
   write_index <= frame_index + resize(length, index_bits);
 
-  at_code <= nor run;
   stored  <= delay(2) when at_code = '0' else (others => '0');
   stores  <= accepts and not border and present(2) and in_cobs and not too_long and not (at_code and whole);
 
-  judge : process (all)
+  -- What depends on the kind alone is decided before the end of the frame. It comes a clock after the kind. A frame
+  -- that ends sooner has no code byte. So it is wrong, whatever `planned` says.
+  plan : process (clock)
     variable entry : natural range 0 to 31;
   begin
-    judged <= accepts and border and present(0);
-    entry := to_integer(unsigned(kind(3 downto 0)));
-    if entry = 0 or entry = 1 or entry = 15 then
-      entry := entry_unknown;
-    elsif (entry = 4 or entry = 6) and kind(5 downto 4) /= "00" then
-      entry := entry_kind;  -- a post has no such bits
-    end if;
-    if outside = '1' then
-      entry := entry_hello;
-      if kind(0) = '1' then
-        entry := entry_open;
+    if rising_edge(clock) then
+      entry := to_integer(unsigned(kind(3 downto 0)));
+      if kind(6) = '1' or ((entry = 4 or entry = 6) and kind(5 downto 4) /= "00") then
+        entry := entry_kind;  -- a post has no such bits
+      elsif entry = 0 or entry = 1 or entry = 15 then
+        entry := entry_unknown;
       end if;
-    end if;
-    if too_long = '1' then
-      entry := entry_long;
-    elsif outside = '0' and and epoch(15 downto 8) = '1' then
-      entry := entry_session;
-    elsif coded = '0' or at_code = '0' or delay(2) /= check_byte(crc, 0) or
-        delay(1) /= check_byte(crc, 1) or delay(0) /= check_byte(crc, 2) then
-      entry := entry_check;
-    elsif outside = '0' and beyond = '1' then
-      entry := entry_long;
-    elsif outside = '0' and kind(6) = '1' then
-      entry := entry_kind;
-    end if;
-    verdict <= std_ulogic_vector(to_unsigned(entry, 5));
-    pauses  <= '0';
-    if entry = entry_open or entry = request_kind_close_c mod 16 then
-      pauses <= '1';
+      if outside = '1' then
+        entry := entry_hello;
+        if kind(0) = '1' then
+          entry := entry_open;
+        end if;
+      end if;
+      planned <= std_ulogic_vector(to_unsigned(entry, 5));
     end if;
   end process;
 
-  alive <= judged and not verdict(4);
+  judged <= accepts and border and present(0);
+  wrong  <= not coded or not at_code or to_bit(delay(2) /= check_byte(crc, 0)) or
+            to_bit(delay(1) /= check_byte(crc, 1)) or to_bit(delay(0) /= check_byte(crc, 2));
+  shut   <= not outside and and epoch(15 downto 8);
+
+  -- `wrong` comes late in the clock. So all else is decided beside it, and it only chooses.
+  judge : process (all)
+    variable entry : entry_t;
+    variable keeps : std_ulogic;  -- the frame keeps its payload, unless it is wrong
+  begin
+    entry := planned;
+    if outside = '0' and beyond = '1' then
+      entry := std_ulogic_vector(to_unsigned(entry_long, 5));
+    end if;
+    keeps := not too_long and not shut and (not entry(4) or nor entry(3 downto 1));
+
+    verdict <= entry;
+    if too_long = '1' then
+      verdict <= std_ulogic_vector(to_unsigned(entry_long, 5));
+    elsif shut = '1' then
+      verdict <= std_ulogic_vector(to_unsigned(entry_session, 5));
+    elsif wrong = '1' then
+      verdict <= std_ulogic_vector(to_unsigned(entry_check, 5));
+    end if;
+    kept   <= keeps and not wrong;
+    pauses <= keeps and not wrong and to_bit(unsigned(entry) = entry_open or
+                                             unsigned(entry) = request_kind_close_c mod 16);
+    alive  <= judged and keeps and not wrong and not entry(4);
+  end process;
 
   -- A dropped frame has no payload.
-  kept      <= not verdict(4) or nor verdict(3 downto 1);
   record_in <= pauses & verdict & kind(5 downto 4) & (std_ulogic_vector(length) and (7 downto 0 => kept));
 
   receive : process (clock)
+    variable rest : unsigned(7 downto 0);  -- of the block, with the byte that leaves the delay
   begin
     if rising_edge(clock) then
+      rest := unsigned(delay(2)) when at_code = '1' else run;
       if accepts = '1' and border = '0' then
         delay <= frame_data & delay(0 to 1);
         present <= present(1 downto 0) & '1';
@@ -189,12 +207,11 @@ begin
           crc     <= next_crc16(crc, delay(2));
           in_cobs <= '1';
           if in_cobs = '1' then
-            coded <= '1';
+            coded   <= '1';
+            run     <= rest - 1;
+            at_code <= to_bit(rest = 1);
             if at_code = '1' then
-              run   <= unsigned(delay(2)) - 1;
               whole <= and delay(2);
-            else
-              run <= run - 1;
             end if;
           end if;
         end if;
@@ -213,6 +230,7 @@ begin
         in_cobs <= '0';
         coded   <= '0';
         run     <= (others => '0');
+        at_code <= '1';
         whole   <= '1';
       end if;
       -- A clock later, which is long before the next frame has a byte to store.

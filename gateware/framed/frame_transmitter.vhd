@@ -71,7 +71,7 @@ architecture rtl of frame_transmitter is
 
   signal state      : state_t := resting;
   signal read_index : unsigned(7 downto 0) := (others => '0');
-  signal read_next  : unsigned(7 downto 0);
+  signal read_up, read_next : unsigned(7 downto 0);
   signal read_bank  : std_ulogic;
   signal unsent     : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoded payload
   signal looked     : byte_t;                        -- the byte behind the next one
@@ -168,7 +168,10 @@ begin
 
   read_bank <= bank when state = opened else not bank;
   advances  <= '1' when state = filling or (state = sending and free = '1') else '0';
-  read_next <= (others => '0') when state = opened else read_index + unsigned'("" & advances);
+  -- `advances` comes late in the clock, because it waits for tx_ready. So it only chooses, and the sum is made
+  -- without it.
+  read_up   <= read_index + 1;
+  read_next <= (others => '0') when state = opened else read_up when advances = '1' else read_index;
 
   fetch : process (clock)
   begin

@@ -18,7 +18,7 @@ _TRANSMITTER = (
 _RING = (
     "present", "delay", "whole", "too_long", "fits", "stores", "stored", "frame_index", "write_index",
     "free_bytes", "start_index", "next_index", "read_index", "read_now", "full", "reads", "fills", "refills",
-    "record_in",
+    "record_in", "at_code",
 )  # fmt: skip
 
 # Signals of the application that its property file sees.
@@ -113,6 +113,8 @@ FRAMED_BLOCKS = (
         given={"dut.records.read_data": "record_read"},
         seen={
             "present": "dut.present",
+            "at_code": "dut.at_code",
+            "planned": "dut.planned",
             "delay": "dut.delay",
             "kind_kept": "dut.kind",
             "outside_kept": "dut.outside",
@@ -133,16 +135,17 @@ FRAMED_BLOCKS = (
         },
         not_proven="the bytes of the payload, and room in the ring: see frame_receiver_bytes",
         mutants=(
-            Mutant("frame_receiver.vhd", "delay(1) /= check_byte(crc, 1) or ", ""),
-            Mutant("frame_receiver.vhd", "elsif coded = '0' or at_code = '0' or", "elsif coded = '0' or"),
+            Mutant("frame_receiver.vhd", "to_bit(delay(1) /= check_byte(crc, 1)) or ", ""),
+            Mutant("frame_receiver.vhd", "not coded or not at_code or", "not coded or"),
             Mutant(
                 "frame_receiver.vhd",
-                "elsif outside = '0' and and epoch(15 downto 8) = '1' then",
-                "elsif false then",
+                "shut   <= not outside and and epoch(15 downto 8);",
+                "shut   <= '0';",
             ),
+            Mutant("frame_receiver.vhd", "at_code <= to_bit(rest = 1);", "at_code <= to_bit(run = 1);"),
             Mutant("frame_receiver.vhd", "(7 downto 0 => kept)", "(7 downto 0 => '1')"),
             Mutant("frame_receiver.vhd", "if length = request_max then", "if length = 255 then"),
-            Mutant("frame_receiver.vhd", "alive <= judged and not verdict(4);", "alive <= judged;"),
+            Mutant("frame_receiver.vhd", "keeps and not wrong and not entry(4);", "keeps and not entry(4);"),
             Mutant("frame_receiver.vhd", "whole <= and delay(2);", "whole <= '0';"),
         ),
     ),

@@ -107,8 +107,8 @@ ROWS = (
         "framed",
         "framed alone, with all features",
         settings={"protocol": "framed"},
-        mhz_least=77.0,
-        ecp5_mhz_least=98.0,
+        mhz_least=73.0,
+        ecp5_mhz_least=93.0,
         ecp5_options=STATIC,
     ),
     Row(
