@@ -57,6 +57,33 @@ struct Fixture {
   std::unique_ptr<Link> link;
 };
 
+TEST_CASE("who waits for publishes reads again when the thread that attended the link leaves it") {
+  Fixture at(true);
+  const std::uint32_t id = at.subscribed(1, 20);
+  std::atomic<bool> over = false;
+  std::atomic<bool> forgotten = false;
+  std::atomic<unsigned> came = 0;
+  std::thread listener([&] {
+    while (!over && !forgotten) {
+      forgotten = !at.link->wait_publish(id, patience_ns);
+      while (at.drained(id) > 0) {}
+      ++came;
+    }
+  });
+  for (int round = 0; round < 5; ++round) {
+    for (const std::uint64_t until = at.link->now_ns() + 10'000'000; at.link->now_ns() < until;) {
+      at.link->attend(-1, until, false);
+    }
+    at.link->leave();
+    for (const unsigned before = came; came < before + 2 && !forgotten;) {
+      std::this_thread::yield();
+    }
+  }
+  over = true;
+  listener.join();
+  CHECK_FALSE(forgotten);
+}
+
 TEST_CASE("who waits for publishes reads them, and the reader when nobody does") {
   for (const bool framed : {false, true}) {
     CAPTURE(framed);
