@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import threading
@@ -77,8 +76,7 @@ def test_a_slider_by_keyboard_and_values_written_together(open_page: Open, arm: 
     region.get_by_role("button", name="write 3 together").click()
     expect(region).to_be_hidden()
     assert [arm.board.registers[SPEED + joint] for joint in range(3)] == [10000, 15000, 8000]
-    written = [json.loads(line)["values"] for line in arm.log if '"write"' in line]
-    assert written[-1] == {"j1.spd_sp": 100, "j2.spd_sp": 150, "j3.spd_sp": 80}
+    arm.log.until("write", values={"j1.spd_sp": 100, "j2.spd_sp": 150, "j3.spd_sp": 80})
 
 
 def test_a_question_where_the_spec_says_so(open_page: Open, arm: Robot) -> None:

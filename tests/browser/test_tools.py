@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -105,8 +104,7 @@ def test_a_group_is_written_at_once(open_page: Open, oven: Robot) -> None:
     group.get_by_role("button", name="write pair").click()
     expect(group.get_by_label("left in the group")).to_have_value("")
     assert (oven.board.registers[0x20], oven.board.registers[0x21]) == (30, 40)
-    written = [json.loads(line)["values"] for line in oven.log if '"write"' in line]
-    assert written == [{"left": 30, "right": 40}]
+    assert len(oven.log.until("write", values={"left": 30, "right": 40})) == 1
 
 
 def test_favourites_and_the_layout_as_a_file(open_page: Open, arm: Robot, tmp_path: Path) -> None:
