@@ -12,9 +12,7 @@ Outcome FanOut::add(const Reader& reader, Definition definition) {
     found->readers.push_back(reader);
     return {};
   }
-  std::uint32_t subscription = 0;
-  return open({.definition = std::move(definition), .subscription = 0, .readers = {reader}},
-              {.addresses = {}, .verify = false, .kept = false}, subscription);
+  return open({.definition = std::move(definition), .subscription = 0, .readers = {reader}}, 1);
 }
 
 Outcome FanOut::listen(Definition definition, std::size_t ring, std::uint32_t& subscription) {
@@ -26,8 +24,11 @@ Outcome FanOut::listen(Definition definition, std::size_t ring, std::uint32_t& s
     subscription = found->subscription;
     return outcome;
   }
-  return open({.definition = std::move(definition), .subscription = 0, .readers = {}, .heard = true},
-              {.addresses = {}, .verify = false, .ring = ring}, subscription);
+  Outcome outcome = open({.definition = std::move(definition), .subscription = 0, .readers = {}, .heard = true}, ring);
+  if (outcome.ok()) {
+    subscription = groups_.back().subscription;
+  }
+  return outcome;
 }
 
 Outcome FanOut::hush(std::uint32_t subscription) {
@@ -42,16 +43,17 @@ Outcome FanOut::hush(std::uint32_t subscription) {
   return close_unread();
 }
 
-Outcome FanOut::open(Group group, const SubscriptionRequest& how, std::uint32_t& subscription) {
-  SubscriptionRequest request = how;
-  request.addresses = group.definition.addresses;
-  request.divisor = group.definition.divisor;
-  request.on_event = group.definition.on_event;
-  request.group = group.definition.group;
+Outcome FanOut::open(Group group, std::size_t ring) {
   link_.leave();
-  Outcome outcome = link_.subscribe(request, group.subscription);
+  Outcome outcome = link_.subscribe({.addresses = group.definition.addresses,
+                                     .divisor = group.definition.divisor,
+                                     .on_event = group.definition.on_event,
+                                     .verify = false,  // who asks has done so, if he wants
+                                     .ring = ring,
+                                     .kept = group.heard,
+                                     .group = group.definition.group},
+                                    group.subscription);
   if (outcome.ok()) {
-    subscription = group.subscription;
     groups_.push_back(std::move(group));
   }
   return outcome;

@@ -53,7 +53,7 @@ class FanOut {
     bool heard = false;  // by a listener
   };
 
-  [[nodiscard]] Outcome open(Group group, const SubscriptionRequest& how, std::uint32_t& subscription);
+  [[nodiscard]] Outcome open(Group group, std::size_t ring);  // of which nothing is kept if nobody listens
   Outcome close_unread();
 
   Link& link_;

@@ -22,7 +22,7 @@ from unitylink.errors import (
 
 from .far_clock import FarClock
 from .far_greeting import LOOK_S, FarGreeting
-from .far_questions import FarQuestions
+from .far_questions import PAUSE_S, FarQuestions
 from .messages import ARM, CLOCK, DO, LEAVE, VISIT, Answer, Operation, Request, decode_answer
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 _CLOCK_S = 0.5  # how often its clock is asked, and whether it still knows this client
 _GREET_S = 6.0  # how long a bridge whose board is there has to answer the first hello
-_PAUSE_S = 0.02  # before a bridge is asked again that was not there
 
 
 class FarBridge:
@@ -187,7 +186,7 @@ class FarBridge:
             if not reached:
                 if self.trouble and not self.closed:
                     break
-                time.sleep(_PAUSE_S)
+                time.sleep(PAUSE_S)
         elapsed_s = (time.monotonic_ns() - began_ns) / 1e9
         self.counts["timeouts"] += 1
         facts: dict[str, Any] = {"attempts": sent, "elapsed_s": elapsed_s}
@@ -277,7 +276,7 @@ class FarBridge:
                 greeted = self._greet_again("the board is back, and is being greeted")
             with self._look:
                 if boards == self._boards and not (self.closed or self._doubt or self._half):
-                    self._look.wait(_CLOCK_S if greeted else _PAUSE_S * 5)
+                    self._look.wait(_CLOCK_S if greeted else PAUSE_S * 5)
         if not self.closed:
             self._end("the program has ended")
         if self._ended:  # nobody else closes the session, whose threads let no program end

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import DeviceMismatch, LinkNotFound, LinkTimeout, UnityLinkError
 
+from .far_questions import PAUSE_S
 from .hello import read_welcome
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from .far_questions import FarQuestions
 
 LOOK_S = 1.0  # how long to look for the board
-_PAUSE_S = 0.02  # before the network is asked again
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class FarGreeting:
                     f"{self._options.url}: no board of this name is on the network; is `unitylink bridge` "
                     "running there, and does its board answer?"
                 )
-            time.sleep(_PAUSE_S)
+            time.sleep(PAUSE_S)
         return boards
 
     def greet(self, boards: set[str], known_hash: str) -> Welcome:
@@ -94,7 +94,7 @@ class FarGreeting:
                 return answer, asked_ns
             if ask.once(self._keys.fixed("clock"), b"", LOOK_S) is not None:
                 break
-            time.sleep(_PAUSE_S)
+            time.sleep(PAUSE_S)
         for key in ("hello", "hello_read"):
             asked_ns = time.monotonic_ns()
             answer = ask.once(self._keys.fixed(key), hello, LOOK_S)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from .keys import Keys
 
-_PAUSE_S = 0.02  # before a bridge is asked again that was not there
+PAUSE_S = 0.02  # before a bridge is asked again that was not there
 
 
 class FarQuestions:
@@ -75,5 +75,5 @@ class FarQuestions:
                 return answer
             if answer is not None:
                 raise answer
-            time.sleep(_PAUSE_S)
+            time.sleep(PAUSE_S)
         return None
