@@ -11,6 +11,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -157,6 +158,12 @@ end architecture;
 """
 
 
+@cache
+def sources_of(entity: str) -> list[Path]:
+    """Return the gateware that an entity needs. Many tests are about one."""
+    return needed_sources(entity, gateware_sources())
+
+
 def play_vhdl(
     make: Callable[[Path, Sequence[Path]], Any],
     folder: Path,
@@ -169,7 +176,7 @@ def play_vhdl(
     (folder / "clock_true_tb.vhd").write_text(text, encoding="ascii")
     lines = [f"{at} {what} {number} {value >> 16} {value & 0xFFFF}" for at, what, number, value in stimuli]
     (folder / "stimuli.txt").write_text("\n".join(lines) + "\n", encoding="ascii")
-    sources = [*needed_sources(one.entity, gateware_sources()), folder / "clock_true_tb.vhd"]
+    sources = [*sources_of(one.entity), folder / "clock_true_tb.vhd"]
     make(folder, sources).run("clock_true_tb")
     found = []
     for line in (folder / "trace.txt").read_text(encoding="ascii").splitlines():
