@@ -10,13 +10,14 @@ import subprocess
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from effort import many
 from hypothesis import settings
+from watchdog import HANG_S, Watchdog
 
 settings.register_profile("untimed", deadline=None, max_examples=many(100))
 settings.load_profile("untimed")
@@ -76,6 +77,26 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
 def program() -> Callable[[str], Path]:
     """The path of a native bench program by its name."""
     return built
+
+
+WATCHDOG = pytest.StashKey[Watchdog]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[WATCHDOG] = Watchdog(os.dup(2))  # the run's own stderr: a test may have another
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Let no test hang."""
+    watchdog, mark = item.config.stash[WATCHDOG], item.get_closest_marker("patience")
+    watchdog.watch(mark.args[0] if mark else HANG_S)
+    try:
+        return (yield)
+    finally:
+        # Pytest disarms it when a test fails, also when one fails in a pytest that a test runs.
+        if item.session.testsfailed or "pytester" in getattr(item, "fixturenames", ()):
+            watchdog.disarmed()
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups

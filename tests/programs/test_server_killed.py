@@ -26,7 +26,7 @@ def test_no_old_set_point_after_a_killed_server() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(3600)
+@pytest.mark.patience(3600)
 def test_no_old_set_point_after_a_killed_server_at_a_thousand_points() -> None:
     _kill_often(LONG_POINTS, seed=2)
 
