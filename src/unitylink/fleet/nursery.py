@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TextIO
@@ -27,11 +28,18 @@ Main = Callable[[list[str]], int]
 class Forked:
     """`main(arguments)` as a process in `folder`. `lines` is what it writes to stderr.
 
-    It ends when the process that made it is gone, also if that was killed. `imports` are the modules that are
-    imported once for all.
+    It ends when the process that made it is gone, also if that was killed, and is ended if it does not within
+    `end_s`. `imports` are the modules that are imported once for all.
     """
 
-    def __init__(self, main: Main, arguments: Sequence[str], folder: Path, imports: Sequence[str]) -> None:
+    def __init__(
+        self,
+        main: Main,
+        arguments: Sequence[str],
+        folder: Path,
+        imports: Sequence[str],
+        end_s: float = END_S,
+    ) -> None:
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload(list(imports))
         os.environ.setdefault(
@@ -39,8 +47,9 @@ class Forked:
         )  # a fork has one thread, and a bridge needs no more
         listening, told = context.Pipe(duplex=False)
         ours, theirs = context.Pipe(duplex=False)
+        watch = partial(_end_with, ours, end_s)
         self._process = context.Process(
-            target=_run, args=(main, list(arguments), str(folder), told, ours), daemon=True
+            target=_run, args=(main, list(arguments), str(folder), told, watch), daemon=True
         )
         self._process.start()
         told.close()
@@ -87,8 +96,8 @@ class Forked:
         self._process.close()
 
 
-def _run(main: Main, arguments: list[str], folder: str, told: Connection, alive: Connection) -> None:
-    """The life of the child."""
+def _run(main: Main, arguments: list[str], folder: str, told: Connection, watch: Callable[[], None]) -> None:
+    """The life of the child. `watch` ends it with its parent."""
     os.setsid()  # Ctrl-C is for the fleet, which ends its bridges itself
     os.chdir(folder)
     os.dup2(told.fileno(), 2)
@@ -98,16 +107,16 @@ def _run(main: Main, arguments: list[str], folder: str, told: Connection, alive:
     # New objects: those of the process that was forked may believe that they write to a file.
     sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", buffering=1, closefd=False)  # noqa: SIM115
-    threading.Thread(target=_end_with, args=(alive,), daemon=True).start()
+    threading.Thread(target=watch, daemon=True).start()
     code = main(arguments)
     sys.stderr.flush()
     os._exit(code)
 
 
-def _end_with(alive: Connection) -> None:
+def _end_with(alive: Connection, end_s: float) -> None:
     """Nothing is ever sent: the other end is closed when its process is gone."""
     with contextlib.suppress(EOFError, OSError):
         alive.recv_bytes()
     os.kill(os.getpid(), signal.SIGTERM)
-    time.sleep(END_S)
+    time.sleep(end_s)
     os._exit(1)  # it hangs, and nobody is there to kill it
