@@ -28,6 +28,7 @@ gc.disable()
 
 ROOT = Path(__file__).resolve().parents[1]
 WHOLE_FILES = (ROOT / "tests" / "unit", ROOT / "tests" / "programs")
+USUAL_S = 0.1
 SHORT_RUN_S = 300  # after a shorter run, the slowest files are not printed
 
 
@@ -100,8 +101,8 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Make each file of some folders a group, which runs in one worker.
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Make each file of some folders a group, which runs in one worker, and let long groups begin first.
 
     What its tests share is imported, compiled and opened only there. Tests that share something with those of
     another file keep their own group.
@@ -114,6 +115,22 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         mark = marks[item.path]
         if mark is not None and item.get_closest_marker("xdist_group") is None:
             item.add_marker(mark)
+    if hasattr(config, "workerinput"):  # of several workers; one process alone keeps the order of the files
+        takes_s: Counter[str] = Counter()
+        for item in items:
+            takes_s[group_of(item)] += seconds_of(item)
+        items.sort(key=lambda item: -takes_s[group_of(item)])
+
+
+def group_of(item: pytest.Item) -> str:
+    mark = item.get_closest_marker("xdist_group")
+    return str(mark.args[0]) if mark else item.nodeid
+
+
+def seconds_of(item: pytest.Item) -> float:
+    """Return about how long a test takes: what it says, `@pytest.mark.takes(5)`, or what most take."""
+    mark = item.get_closest_marker("takes")
+    return float(mark.args[0]) if mark else USUAL_S
 
 
 def pytest_collection_finish() -> None:

@@ -48,6 +48,7 @@ def grown(flow: Any, row: Any, recorded: dict[str, Any]) -> list[str]:
     ]
 
 
+@pytest.mark.takes(12)
 def test_no_row_has_grown_since_it_was_recorded(flow: Any) -> None:
     found = [text for row in rows() for text in grown(flow, row, RECORD[row.name])]
     assert not found, "if it is meant, `make synth ACCEPT=1`"

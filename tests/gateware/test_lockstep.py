@@ -224,6 +224,7 @@ def first_difference(compiled: Sequence[str], source: Sequence[str]) -> int | No
 @pytest.mark.parametrize(
     "generics", CONFIGURATIONS, ids=["plain", "narrow", "without-publishing", "both", "framed"]
 )
+@pytest.mark.takes(15)
 def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any]) -> None:
     lockstep = Lockstep(ghdl, tmp_path, generics)
     verilog = repaired(lockstep.verilog, lockstep.vhdl)

@@ -127,6 +127,7 @@ def model_of_yosys() -> str:
     return re.sub(r"`ICE40_DEFAULT_ASSIGNMENT_\w+(\([^)]*\))?", "", model)
 
 
+@pytest.mark.takes(20)
 def test_a_design_equals_its_bitstream_and_a_turned_bit_is_seen(tmp_path: Path) -> None:
     verilog = source()
     placed = place(verilog, "tiny", tmp_path, lambda _: None)

@@ -61,6 +61,7 @@ def until(holds: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
+@pytest.mark.takes(5)
 def test_a_router_that_goes_ends_no_bridge_and_of_two_that_hang_one_is_killed_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

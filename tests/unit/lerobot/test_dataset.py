@@ -204,6 +204,7 @@ def test_frames_have_the_newest_values_and_their_times(tmp_path: Path) -> None:
     assert rows["action"] == [1.0] * 10 + [2.0]
 
 
+@pytest.mark.takes(3)
 def test_record_writes_episodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -21,6 +21,7 @@ def block(language: str) -> str:
     return found[1]
 
 
+@pytest.mark.takes(2)
 def test_the_first_lines_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for line in block("sh").splitlines():

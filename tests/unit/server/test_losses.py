@@ -123,6 +123,7 @@ def test_garbage_in_a_session_disturbs_nobody_else(one: Served, seed: int) -> No
         assert one.board.registers[0x1A] == 0
 
 
+@pytest.mark.takes(3)
 def test_half_open_slow_and_many_logins(one: Served) -> None:
     with contextlib.ExitStack() as stack, one.link() as link:
         silent = [stack.enter_context(socket_of(one)) for _ in range(100)]

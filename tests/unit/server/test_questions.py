@@ -129,6 +129,7 @@ def test_a_broken_lease_is_made_safe_first(one: Served) -> None:
         until(lambda: written(other, TARGET, 9))
 
 
+@pytest.mark.takes(3)
 def test_a_holder_that_is_silent_loses_its_lease() -> None:
     with served(silence_s=0.5) as one, one.link("all") as other:
         with freeze_process(one, TARGET) as frozen:

@@ -145,6 +145,7 @@ class History:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.takes(3)
 def test_no_write_is_executed_between_a_stop_and_the_next_arm(seed: int) -> None:
     rng = random.Random(seed)
     with Board(SPEC, endpoint="tcp") as board, ExitStack() as stack:

@@ -336,6 +336,7 @@ def test_garbage_gets_an_answer_or_the_end_and_others_go_on(robot: Robot) -> Non
         calm.until(lambda: len(calm.samples) > before + 10)
 
 
+@pytest.mark.takes(4)
 def test_a_reader_that_stops_is_dropped_and_nobody_waits(robot: Robot) -> None:
     with robot.client("looks") as calm, socket.create_connection(("127.0.0.1", port_of(robot))) as stuck:
         stuck.sendall(

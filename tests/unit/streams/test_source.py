@@ -7,6 +7,7 @@ import socket
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import pytest
 from unit.streams.streamed import still, streaming, until
 
 from tests.unit.server.served import arm, served
@@ -54,6 +55,7 @@ def test_the_samples_go_on_after_the_line_was_cut() -> None:
         until(lambda: notes.count > before + 20)
 
 
+@pytest.mark.takes(2)
 def test_a_board_that_comes_after_the_streams_and_goes_and_comes() -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))

@@ -20,6 +20,7 @@ CUT_S = 1.5
 
 
 @pytest.mark.parametrize("place", [PLACE])
+@pytest.mark.takes(3)
 def test_a_router_in_a_place_of_its_own(tmp_path: Path, place: str) -> None:
     """A robot is read and written through the router. What was sent while the way was cut is not executed."""
     with rigged(tmp_path) as rig, router() as far:

@@ -56,6 +56,7 @@ def test_an_attempt_without_an_answer_is_given_up_soon(
     assert 0.3 < third_s - first_s < 2.0
 
 
+@pytest.mark.takes(2)
 def test_a_way_that_is_too_slow_for_a_short_attempt_gets_a_long_one(
     stack: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
