@@ -11,8 +11,8 @@
     tree: { path: "", name: "arm", display: "", note: "", items: numbers, parts: [] }, user: "ana", client: 1,
     writes: [], may_arm: false, may_break: false, may_see_recordings: false, has_body: false, sees: numbers,
     rates: numbers.map(() => 1000), texts: {}, events: [], now_s: 0, wall_s: 1e9 };
-  const state = { up: true, trouble: "", stopped_by: "", leases: [], users: ["ana"], viewers: 1, round_trip_s: 1e-4,
-    statistics: {}, publishes: [], line: null, recording: null, alarms: [] };
+  const state = { up: true, trouble: "", stopped_by: "", stops: 0, leases: [], users: ["ana"], viewers: 1,
+    round_trip_s: 1e-4, statistics: {}, publishes: [], line: null, recording: null, alarms: [] };
   let now_s = 0;
   let view = [];
   class Fake {

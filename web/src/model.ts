@@ -124,6 +124,7 @@ export interface State {
   up: boolean;
   trouble: string;
   stopped_by: string;
+  stops: number; // another one after each stop: who goes on says of which he knew
   leases: Lease[];
   wishes: Wish[];
   users: string[];

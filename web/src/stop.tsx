@@ -50,7 +50,7 @@ export function Stop() {
   const by = state.value?.stopped_by;
   const arm = () => {
     outcome.value = null;
-    ask("arm").catch((error: Error) => tell(error.message));
+    ask("arm", { stops: state.value?.stops }).catch((error: Error) => tell(error.message));
   };
   return (
     <div class="stop">

@@ -369,6 +369,7 @@ inline constexpr std::string_view refused = "refused";
 inline constexpr std::uint32_t login_max = 512;
 inline constexpr std::uint32_t not_allowed = 11;
 inline constexpr std::uint32_t lease_held = 12;
+inline constexpr std::uint32_t stopped_since = 13;
 inline constexpr std::uint32_t feature_dated_arm = 32768;
 inline constexpr std::uint32_t dated_arm = 32768;
 }  // namespace serve

@@ -29,6 +29,8 @@ std::string_view meaning_of(std::string_view error) noexcept {
   if (error == "not_allowed")
     return "this server lets your token read here, but not do that; ask who runs it for the scope";
   if (error == "lease_held") return "another client has the write lease of it, or its outputs are being made safe";
+  if (error == "stopped_since")
+    return "the robot was stopped after this was asked for, or is being stopped; if it may move, arm it again";
   if (error == "no_group") return "no such group, or more words than one holds";
   return "an error of the gateware";
 }
@@ -98,7 +100,11 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
     case Operation::define_exchange: return "definition of exchange group " + std::to_string(exchange.address);
     case Operation::exchange: return "exchange of group " + std::to_string(exchange.address);
     case Operation::read_control: return "read of control register " + hex_address(exchange.address, 2);
-    case Operation::write_control: return "write of control register " + hex_address(exchange.address, 2);
+    case Operation::write_control:
+      if (exchange.address == protocol::control::arm || exchange.address == protocol::serve::dated_arm) {
+        return "arm";
+      }
+      return "write of control register " + hex_address(exchange.address, 2);
     case Operation::synchronise: return "the question about the posts";
     case Operation::close_session: return "the end of the session";
     case Operation::resynchronise: return "resynchronisation with the device";

@@ -24,7 +24,8 @@ Status status_of_reply(std::uint8_t status) noexcept {
     case reply_status::bus_error:
     case reply_status::bus_timeout: return Status::bus_error;
     case reply_status::denied: return Status::denied;
-    case serve::not_allowed: return Status::refused;
+    case serve::not_allowed:
+    case serve::stopped_since: return Status::refused;
     case serve::lease_held: return Status::lease_held;
     default: return Status::protocol_error;
   }
@@ -129,7 +130,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
       }
       break;
     default:
-      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + serve::lease_held &&
+      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + serve::stopped_since &&
           payload.size() >= frame_head::reply) {
         on_reply(static_cast<std::uint8_t>(frame.kind - device_kind::reply), payload);
         return;
@@ -298,6 +299,8 @@ void FramedEngine::on_executed(const Place& place) noexcept {
     if (place.transmissions == 1) {
       clock_.add(std::uint64_t{read_clock_[1]} << 32 | read_clock_[0], place.sent_ns, now_ns_);
     }
+  } else if (exchange.operation == Operation::read_control && exchange.address == serve::dated_arm) {
+    server_clock_.learn(exchange.values.front(), place.first_sent_ns);
   } else if (exchange.operation == Operation::write_control && exchange.address == control::publish) {
     publishing_ = exchange.value != 0;
     clock_due_ns_ = now_ns_;

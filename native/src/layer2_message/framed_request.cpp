@@ -122,10 +122,10 @@ void put_steps(FrameEncoder& encoder, std::span<const ListWord> steps, const Con
   });
 }
 
-constexpr std::array<std::string_view, 13> names{"",         "bus_error",   "bus_timeout", "bad_address", "denied",
-                                                 "busy",     "invalid",     "too_long",    "order",       "behind",
-                                                 "no_group", "not_allowed", "lease_held"};
-static_assert(names.size() == serve::lease_held + 1);
+constexpr std::array<std::string_view, 14> names{"",         "bus_error",   "bus_timeout", "bad_address",  "denied",
+                                                 "busy",     "invalid",     "too_long",    "order",        "behind",
+                                                 "no_group", "not_allowed", "lease_held",  "stopped_since"};
+static_assert(names.size() == serve::stopped_since + 1);
 
 std::size_t reply_words(const Exchange& exchange) noexcept {
   return exchange.operation == Operation::read   ? 1

@@ -17,7 +17,24 @@ constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operati
 constexpr std::size_t words_max = 255;  // most words in one operation
 constexpr std::size_t posts_per_flush = 256;
 constexpr std::uint64_t silence_margin_ns = 400'000;
+constexpr std::uint32_t server_clock_questions = 3;
+constexpr std::uint64_t quick_answer_ns = 50'000'000;
 constexpr double ticks_max = 4294967295.0;  // periods of the base frequency
+
+// Asks a server for its clock, until an answer has come quickly. What is known from the begin of the session gets worse
+// with each hour, and an answer that the line has held up says little.
+Outcome ask_server_clock(Link& link, const RequestOptions& how) {
+  Outcome outcome;
+  for (std::uint32_t question = 0; question < server_clock_questions; ++question) {
+    const std::uint64_t asked_ns = link.now_ns();
+    std::uint32_t told_us = 0;  // the engine learns it
+    outcome = link.read_control(protocol::serve::dated_arm, std::span(&told_us, 1), how);
+    if (!outcome.ok() || link.now_ns() - asked_ns < quick_answer_ns) {
+      break;
+    }
+  }
+  return outcome;
+}
 
 }  // namespace
 
@@ -286,6 +303,11 @@ std::uint32_t Link::dead_man_ticks() {
 
 Outcome Link::arm(const RequestOptions& how) {
   const std::uint64_t asked_ns = now_ns();
+  if (framed_ && (description_.features & protocol::serve::feature_dated_arm) != 0) {
+    if (Outcome outcome = ask_server_clock(*this, how); !outcome.ok()) {
+      return outcome;
+    }
+  }
   // A server is told when it was asked for: whoever asks does not know of a stop that comes to the server before this.
   const auto ask = [&] {
     std::optional<std::uint32_t> asked_us;

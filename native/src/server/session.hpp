@@ -106,6 +106,7 @@ class Session {
   [[nodiscard]] bool start(const Waiting& next);
   void perform(const Waiting& next);
   void perform_here();
+  void tell_clock();
   void settle_here(Status outcome);
   void forward(std::uint8_t kind, std::span<const std::uint8_t> body, std::size_t answer_bytes, bool changes);
   [[nodiscard]] bool shareable() const noexcept;

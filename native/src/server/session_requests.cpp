@@ -99,7 +99,13 @@ void Session::perform(const Waiting& next) {
       forward(kind, body, 2 + reads * word_bytes, reads < request_.words.size());
       break;
     }
-    case request_kind::read_control: forward(kind, body, 4 * std::size_t{request_.value}, false); break;
+    case request_kind::read_control:
+      if (request_.address == protocol::serve::dated_arm) {
+        tell_clock();
+        break;
+      }
+      forward(kind, body, 4 * std::size_t{request_.value}, false);
+      break;
     case request_kind::exchange: forward_exchange(); break;
     default: perform_here(); break;
   }
@@ -244,6 +250,13 @@ Session::Status Session::define_exchange() {
 }
 
 // ---- what concerns the client alone
+
+void Session::tell_clock() {
+  std::vector<std::uint8_t> told;
+  append(told, host_.clock_us(), 4);
+  const bool alone = request_.value == 1;
+  settle(request_.id, alone ? status::ok : status::bad_address, alone ? std::span(told) : std::span<std::uint8_t>());
+}
 
 void Session::perform_here() {
   switch (request_.operation) {

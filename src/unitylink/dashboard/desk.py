@@ -108,9 +108,12 @@ class Desk:
             self._note_safe(("",))
         return sum(value.writable and value.quantity.safe is not None for value in self._values.values())
 
-    def arm(self, client: Client) -> None:
-        """Allow writes again, after a stop or after the board's dead-man has tripped."""
-        self.switch.arm(client)
+    def arm(self, client: Client, stops: int) -> None:
+        """Allow writes again, after a stop or after the board's dead-man has tripped.
+
+        `stops` is the number of `switch.stops` that whoever asks has seen: a later stop wins.
+        """
+        self.switch.arm(client, stops=stops)
 
     def keep_safe(self) -> None:
         """End leases that are over, and write the SAFE values of their parts. Call it often.

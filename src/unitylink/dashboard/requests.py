@@ -30,6 +30,13 @@ class Request:
             raise ValueRangeError(f"{self.do}: {name} is no text")
         return given
 
+    def count(self, name: str) -> int:
+        """Return a whole number of the request. Raises ValueRangeError if it is none."""
+        given = self.facts.get(name)
+        if not isinstance(given, int) or isinstance(given, bool):
+            raise ValueRangeError(f"{self.do}: {name} is no whole number")
+        return given
+
     def seconds(self, name: str, least: float, most: float) -> float:
         """Return a time of the request, in s. Raises ValueRangeError if it is not between the limits."""
         return seconds(f"{self.do}: {name}", self.facts.get(name), least, most)

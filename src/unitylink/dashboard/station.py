@@ -220,12 +220,13 @@ class Station:
             wishes = [
                 {"part": wish.part, "user": wish.user} for wish in gate.wishes.all(moment_s) if not wish.kept
             ]
-            stopped_by = gate.stopped_by
+            stopped_by, stops = gate.stopped_by, self.desk.switch.stops
             users = [client.name for client in gate.clients()]
         return {
             "up": self.link.up,
             "trouble": self.link.trouble,
             "stopped_by": stopped_by,
+            "stops": stops,
             "leases": leases,
             "wishes": wishes,
             "users": sorted(set(users)),

@@ -198,8 +198,8 @@ class Viewer:
         seen = self._station.feed.latest(path)
         return self._station.at_board(self._station.desk.clear, self.client, path, seen)
 
-    def _arm(self, _: Request) -> Any:
-        return self._station.at_board(self._station.desk.arm, self.client)
+    def _arm(self, request: Request) -> Any:
+        return self._station.at_board(self._station.desk.arm, self.client, request.count("stops"))
 
     def _take(self, request: Request) -> None:
         given = request.facts.get("seconds", LEASE_S)

@@ -14,7 +14,7 @@ from unitylink.errors import AccessRefused, DeadManTripped, LeaseHeld, UnityLink
 from unitylink.interface.safe_words import safe_words
 from unitylink.interface.wire_hash import wire_hashes
 from unitylink.layer2_message import Link
-from unitylink.protocol import REPLY_STATUS_DENIED, REPLY_STATUS_OK, SERVE_LEASE_HELD
+from unitylink.protocol import REPLY_STATUS_DENIED, REPLY_STATUS_OK, SERVE_LEASE_HELD, SERVE_STOPPED_SINCE
 from unitylink.spec.model import Spec
 
 from .audit import Audit
@@ -283,8 +283,10 @@ class Robot:
         try:
             self.switch.arm(client, asked_ns)
             answer = REPLY_STATUS_OK
-        except UnityLinkError as error:  # the client can only be told that the outputs are being made safe
-            answer = SERVE_LEASE_HELD
+        except (
+            UnityLinkError
+        ) as error:  # without a stop since, all that it can be told is that it is not over
+            answer = SERVE_STOPPED_SINCE if isinstance(error, AccessRefused) else SERVE_LEASE_HELD
             self._audit.line("refused", time.time(), robot=self.name, action="arm", reason=str(error))
         with self._lock:
             self._tell(server, number, client, ("arms", answer))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import secrets
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -47,7 +48,9 @@ class StopSwitch:
         self.board = threading.Lock()
         self._memory, self._changed = memory, changed
         self._orders = threading.Lock()  # held while a stop, or an arm, is at the board
-        self._begun = self._over = 0  # stops that have begun, and that have reached the board or failed
+        # Stops that have begun, and that have reached the board or failed. They do not begin with 0, so that
+        # what somebody knew of the program before this one is no knowledge of this one.
+        self._begun = self._over = secrets.randbelow(1 << 31)
         self._over_ns = 0  # when the last one did, by time.monotonic_ns
         self._due = False  # a stop has not reached the board
         self._links: tuple[Link, ...] = ()
@@ -73,6 +76,11 @@ class StopSwitch:
             self.detach()
             raise
 
+    @property
+    def stops(self) -> int:
+        """A number that each stop changes. Who has seen it knows of all stops until then."""
+        return self._begun
+
     def detach(self) -> None:
         """The links are gone."""
         self._links = ()
@@ -97,25 +105,26 @@ class StopSwitch:
                 self._over += 1
                 self._over_ns = time.monotonic_ns()
 
-    def arm(self, client: Client, asked_ns: int | None = None) -> None:
+    def arm(self, client: Client, asked_ns: int | None = None, *, stops: int | None = None) -> None:
         """Allow writes again, after a stop or after the board's dead-man has tripped.
 
-        `asked_ns` is when it was asked for, by `time.monotonic_ns`; without it, that is now. A stop that is
-        under way then, or comes later, wins: who asked for this did not know of it. Raises AccessRefused
-        then, or if the user may not arm, and a LinkError if the board did not answer. Then the robot stays
-        stopped.
+        `asked_ns` is when it was asked for, by `time.monotonic_ns`; without it, that is now. `stops` is the
+        number that whoever asks has seen. A stop that is under way then, or comes later, wins: who asked for
+        this did not know of it. Raises AccessRefused then, or if the user may not arm, and a LinkError if the
+        board did not answer. Then the robot stays stopped.
         """
         with self.lock:
             self.gate.check_arm(client, now())
-            stops = self._over
-            self._check_no_stop(stops)
-            if asked_ns is not None and asked_ns < self._over_ns:
+            known = self._over
+            self._check_no_stop(known)
+            late = asked_ns is not None and asked_ns < self._over_ns
+            if late or (stops is not None and stops != known):
                 raise AccessRefused(
                     "the robot was stopped after this was asked for; if it may move, arm it again"
                 )
         with self._orders:
             with self.lock:
-                self._check_no_stop(stops)
+                self._check_no_stop(known)
             if not self._links:
                 raise LinkDown(f"the board of {self.gate.name} is away; arm it when it is back")
             self._forget()  # before the board may move
@@ -126,7 +135,7 @@ class StopSwitch:
                     if _is_served(link) or _has_dead_man(link):
                         link.arm()
                 with self.lock:
-                    self._check_no_stop(stops)
+                    self._check_no_stop(known)
                     self.gate.armed(client, now())
                     self._due = False
             finally:

@@ -70,9 +70,9 @@ class Hand:
         self.robot.switch.stop(client)
         return sum(one.safe is not None for one in self.elements.values())
 
-    def arm(self, client: Client) -> None:
-        """Allow writes again."""
-        self.robot.switch.arm(client)
+    def arm(self, client: Client, stops: int) -> None:
+        """Allow writes again. `stops` is the number of `StopSwitch.stops` that whoever asks has seen."""
+        self.robot.switch.arm(client, stops=stops)
 
     def _at_board(self) -> Desk:
         link = self.robot.board_link()

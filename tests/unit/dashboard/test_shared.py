@@ -68,7 +68,8 @@ def test_a_stop_at_the_page_holds_the_programs_until_a_person_goes_on(both: tupl
         with pytest.raises(DeadManTripped, match=r"arm\(\) lets them be written again"):
             ana.write(TARGET, 60)
         assert one.board.registers[TARGET] == 0
-        assert person.ask("arm") == ""
+        person.until(lambda: person.state("stopped_by") == "looks")
+        assert person.ask("arm", stops=person.state("stops")) == ""
         ana.write(TARGET, 61)
         assert one.board.registers[TARGET] == 61
 

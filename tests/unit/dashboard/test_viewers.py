@@ -39,7 +39,7 @@ def calm(arm: Robot) -> Iterator[None]:
         stopped = gate.stopped_by
         owner = gate.login("cem", "calm", now())
     if stopped:
-        desk.arm(owner)
+        desk.arm(owner, desk.switch.stops)
     with desk.gate() as gate:
         gate.logout(owner, now())
 
@@ -150,12 +150,16 @@ def test_a_lease_that_is_lost_makes_its_part_safe(arm: Robot) -> None:
 def test_stop_goes_its_own_way_and_nobody_writes_until_arm(arm: Robot) -> None:
     with arm.viewer("cem") as cem, arm.viewer("ana") as ana:
         assert cem.ask("write", values={"j1.target": 20, "j2.target": 20}) == ""
+        seen = cem.until(lambda: cem.state("stops"))
         status, _, body = arm.request("POST", "/stop", cookie=arm.log_in("ben"))  # who may only look may stop
         assert status == 200 and json.loads(body)["wrote"] == 3
         assert (arm.board.registers[0x12], arm.board.registers[0x22]) == (0, 0)
         assert "ben has stopped the robot" in cem.ask("write", values={"j1.target": 20})
-        assert "ana may not arm" in ana.ask("arm")
-        assert cem.ask("arm") == ""
+        assert "stops is no whole number" in cem.ask("arm")
+        cem.until(lambda: cem.state("stops") != seen)
+        assert "after this was asked for; if it may move, arm it again" in cem.ask("arm", stops=seen)
+        assert "ana may not arm" in ana.ask("arm", stops=cem.state("stops"))
+        assert cem.ask("arm", stops=cem.state("stops")) == ""
         assert cem.ask("write", values={"j1.target": 20}) == ""
     assert arm.request("POST", "/stop")[0] == 401
 

@@ -6,18 +6,20 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from urllib.parse import urlsplit
 
 
 class HeldWire:
     """Forwards bytes to the board while `open_` is set. What comes back is always forwarded.
 
-    `waits` says whether bytes wait for that.
+    `waits` says whether bytes wait for that. `delay_s` says how late some bytes are.
     """
 
     def __init__(self, board_url: str) -> None:
         self.waits = False
+        self.delay_s: Callable[[bytes], float] = lambda _: 0.0
         self.open_ = threading.Event()
         self.open_.set()
         place = urlsplit(board_url)
@@ -38,6 +40,7 @@ class HeldWire:
         with contextlib.suppress(OSError), source, sink:
             while data := source.recv(65536):
                 if held:
+                    time.sleep(self.delay_s(data))
                     self.waits = not self.open_.is_set()
                     self.open_.wait()
                     self.waits = False

@@ -20,13 +20,13 @@ from unitylink import Link
 from unitylink.errors import (
     AccessRefused,
     DeadManTripped,
-    LeaseHeld,
     LinkDown,
     LinkError,
     LinkTimeout,
     UnityLinkError,
 )
 from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.protocol import REQUEST_KIND_OPEN
 from unitylink.server.gate import Client
 from unitylink.server.stop_file import SOMEBODY, StopFile
 from unitylink.server.stop_switch import DEAD_MAN, StopSwitch, now
@@ -218,12 +218,32 @@ def test_an_arm_that_its_line_holds_up_does_not_end_a_later_stop(deadman: bool, 
             time.sleep(1.1 * trip_s)
             one.robot.switch.stop(enter(one, "looks"))
             wire.open_.set()
-            with pytest.raises(LeaseHeld, match="are being made safe"):
+            with pytest.raises(AccessRefused, match=r"arm: .* after this was asked for.* arm it again"):
                 armed.result(PATIENCE_S)
         assert one.robot.report()["stopped_by"] == "looks"
         assert any('"arm"' in line and "after this was asked for" in line for line in one.lines)
         program.arm()
         assert one.robot.report()["stopped_by"] == ""
+
+
+def test_an_arm_is_dated_well_also_if_the_session_has_begun_slowly() -> None:
+    """What OPEN tells about the server's clock is then worse than what this test has time for."""
+    with ExitStack() as stack:
+        one = stack.enter_context(server_of(stack.enter_context(a_board())))
+        wire = HeldWire(f"tcp://{one.server.place}")
+        stack.callback(wire.close)
+        wire.delay_s = lambda data: 0.4 if REQUEST_KIND_OPEN in data[:3] else 0.0
+        with token_of("moves"):
+            program = stack.enter_context(Link(f"serve://{wire.url[6:]}/arm?timeout=20"))
+        with ThreadPoolExecutor() as pool, held(wire):
+            armed = pool.submit(program.arm)
+            until(lambda: wire.waits)
+            time.sleep(0.2)
+            one.robot.switch.stop(enter(one, "looks"))
+            wire.open_.set()
+            with pytest.raises(AccessRefused, match="after this was asked for"):
+                armed.result(PATIENCE_S)
+        assert one.robot.report()["stopped_by"] == "looks"
 
 
 def test_an_arm_after_a_stop_that_failed_makes_the_outputs_safe_first(

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from unit.server.held_wire import HeldWire, held
 from unit.streams.streamed import Served, still, streaming, until
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -36,8 +37,8 @@ class Robot:
     def __init__(self, one: Served, foxglove: Foxglove) -> None:
         self.one, self.foxglove = one, foxglove
 
-    def client(self, token: str = "all") -> Client:
-        return Client(f"{self.foxglove.url}/?token={token}")
+    def client(self, token: str = "all", url: str | None = None) -> Client:
+        return Client(f"{url or self.foxglove.url}/?token={token}")
 
     def register(self, address: int) -> int:
         return self.one.board.registers[address]
@@ -102,12 +103,15 @@ class Client:
         one = {"id": subscription, "channelId": self.channels[topic]["id"]}
         self.say("subscribe", subscriptions=[one])
 
-    def call(self, what: str, request: Any, number: int = 5) -> Any:
-        """Call a service, and return its answer, or the text of the failure."""
+    def send(self, what: str, request: Any, number: int = 5) -> None:
         services = self.told["advertiseServices"]["services"]
         (service,) = (one["id"] for one in services if one["name"] == f"/arm/{what}")
         self.answers.pop(number, None)
         self.socket.send(struct.pack("<BIII", 2, service, number, 4) + b"json" + json.dumps(request).encode())
+
+    def call(self, what: str, request: Any, number: int = 5) -> Any:
+        """Call a service, and return its answer, or the text of the failure."""
+        self.send(what, request, number)
         self.until(lambda: number in self.answers)
         return self.answers[number]
 
@@ -236,8 +240,26 @@ def test_a_stop_holds_all_until_somebody_arms(robot: Robot) -> None:
         assert looks.call("stop", {}) == {"wrote": 2}, "who may look may stop"
         assert robot.register(0x1A) == 0
         assert "looks has stopped the robot" in client.call("set", {"target": 50})
-        assert client.call("arm", {}) == {}
+        until(lambda: client.call("arm", {}) == {})  # when it is sure that this client knows of the stop
         until(lambda: client.call("set", {"target": 50}) == {"wrote": 1})
+
+
+def test_an_arm_that_its_line_holds_up_does_not_end_a_later_stop(robot: Robot) -> None:
+    wire = HeldWire(robot.foxglove.url)
+    try:
+        with robot.client(url=wire.url.replace("tcp", "ws")) as client, robot.client("looks") as looks:
+            with held(wire):
+                client.send("arm", {})
+                until(lambda: wire.waits)
+                assert looks.call("stop", {}) == {"wrote": 2}
+            client.until(lambda: client.answers)
+            assert "after this was asked for; if it may move, arm it again" in client.answers[5]
+            assert robot.one.robot.report()["stopped_by"] == "looks"
+            until(lambda: client.call("arm", {}) == {})
+            assert client.call("stop", {}) == {"wrote": 2}
+            assert client.call("arm", {}) == {}, "it knows of its own stop"
+    finally:
+        wire.close()
 
 
 def test_a_write_that_a_stop_overtakes_is_refused_by_the_board(
@@ -260,7 +282,7 @@ def test_a_write_that_a_stop_overtakes_is_refused_by_the_board(
         hand.write(person, {"target": 40})
     assert robot.register(0x1A) == 0
     monkeypatch.setattr(Desk, "write", real)
-    hand.arm(person)
+    hand.arm(person, hand.robot.switch.stops)
     hand.logout(person)
     hand.logout(other)
 

@@ -321,7 +321,7 @@ def test_the_stop_waits_for_nothing(broker: Mosquitto, one: Served, monkeypatch:
         ana.say("target/set", "7")
         assert "has stopped the robot" in ana.error()
         until(lambda: one.robot.switch._over == one.robot.switch._begun)  # else the stop wins against the arm
-        mqtt._hand.arm(mqtt._me())
+        mqtt._hand.arm(mqtt._me(), mqtt._hand.robot.switch.stops)
 
 
 def test_a_broker_that_dies_and_comes_back(tmp_path: Path, one: Served) -> None:

@@ -196,8 +196,10 @@ class Controls:
     def go_on(self) -> None:
         """Allow writes again after a stop, or after the dead-man of the board has tripped."""
 
+        stops = self._desk.switch.stops
+
         def do() -> str:
-            self._desk.arm(self._client)
+            self._desk.arm(self._client, stops)
             return "writes are allowed again"
 
         self._soon(do)

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .channels import Channel, Channels
 
 REQUESTS_HZ, BURST = 100.0, 200
+_LOOK_S = 0.1  # between two looks whether somebody has stopped the robot
 WAITING = 50  # requests that wait for the board
 SAMPLES_WAITING, TEXTS_WAITING = 2000, 500
 _CAPABILITIES = ["services", "parameters", "parametersSubscribe"]
@@ -66,7 +67,8 @@ class Host(Protocol):
 class Conversation:
     """Serves a client that is logged in. `run` ends when it goes. All runs in the thread of the server."""
 
-    def __init__(self, connection: ServerConnection, server: Host, client: Client) -> None:
+    def __init__(self, connection: ServerConnection, server: Host, client: Client, stops: int) -> None:
+        """`stops` is `StopSwitch.stops` from before the client could ask for anything."""
         self.client, self.rights = client, client.user.rights
         self.left_out = 0  # samples, since the last time that the client was told
         self._connection, self._server = connection, server
@@ -79,6 +81,7 @@ class Conversation:
         settings = [path for path, one in server.hand.elements.items() if one.access == "READWRITE"]
         self._parameters = [path for path in settings if self.rights.allow("read", path)]
         self._requests: asyncio.Queue[tuple[Callable[[Any], Awaitable[None]], Any]] = asyncio.Queue(WAITING)
+        self._known_stops = self._told_stops = stops  # what the client knew when it sent what comes now
         self._stops: set[asyncio.Task[None]] = set()
         self._watched: dict[str, Any] = {}  # parameters, with what the client was last told
         self._do: dict[str, Callable[[dict[str, Any]], None]] = {
@@ -103,7 +106,9 @@ class Conversation:
         )
         self.advertise()
         self._tell(text("advertiseServices", services=self._services()))
-        jobs = [asyncio.create_task(job()) for job in (self._listen, self._send, self._work)]
+        jobs = [
+            asyncio.create_task(job()) for job in (self._listen, self._send, self._work, self._follow_stops)
+        ]
         try:
             await asyncio.wait(jobs, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -211,7 +216,9 @@ class Conversation:
                         raise ValueRangeError(f"more than {limit.rate_hz:g} requests a second; wait a moment")
                 if isinstance(message, bytes):
                     call = read_call(message)
-                    if call.service == _STOP:  # waits for no other request
+                    if call.service == _ARM:
+                        self._later(self._arm, (call, self._known_stops))
+                    elif call.service == _STOP:  # waits for no other request
                         self._stops.add(task := asyncio.create_task(self._serve(call)))
                         task.add_done_callback(self._stops.discard)
                     else:
@@ -293,7 +300,32 @@ class Conversation:
         ended = self._named(told)
         self._watched = {path: old for path, old in self._watched.items() if path not in ended}
 
-    async def _serve(self, call: ServiceCall) -> None:
+    async def _follow_stops(self) -> None:
+        while True:
+            await self._tell_stops()
+            await asyncio.sleep(_LOOK_S)
+
+    async def _tell_stops(self) -> None:
+        """Find out whether the client knows of the last stop: what follows its pong was sent after that.
+
+        So an `arm` that the network holds up does not end a stop that has come meanwhile.
+        """
+        if (stops := self._server.hand.robot.switch.stops) == self._told_stops:
+            return
+        self._told_stops = stops
+
+        def known(pong: asyncio.Future[Any]) -> None:
+            if not pong.cancelled() and pong.exception() is None:
+                self._known_stops = stops
+
+        waiter = await self._connection.ping()
+        asyncio.ensure_future(waiter).add_done_callback(known)
+
+    async def _arm(self, asked: tuple[ServiceCall, int]) -> None:
+        call, stops = asked
+        await self._serve(call, stops)
+
+    async def _serve(self, call: ServiceCall, stops: int = 0) -> None:
         """Do what a service call asks for, and answer it."""
         server, request = self._server, call.request
         try:
@@ -306,8 +338,10 @@ class Conversation:
                 await server.at_board(server.hand.pulse, self.client, str(request.get("path")))
             elif call.service == _STOP:
                 answer = {"wrote": await server.at_once(server.hand.stop, self.client)}
+                with suppress(Exception):  # it has gone
+                    await self._tell_stops()
             elif call.service == _ARM:
-                await server.at_board(server.hand.arm, self.client)
+                await server.at_board(server.hand.arm, self.client, stops)
             else:
                 raise ValueRangeError(f"there is no service {call.service}")
         except UnityLinkError as error:

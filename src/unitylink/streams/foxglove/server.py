@@ -148,6 +148,7 @@ class Foxglove:
     async def _meet(self, connection: ServerConnection) -> None:
         """Serve one client until it goes."""
         assert connection.request is not None
+        stops = self.hand.robot.switch.stops
         host, port = connection.remote_address[:2]
         token = parse_qs(urlsplit(connection.request.path).query).get("token", [""])[0]
         if len(self.conversations) >= CLIENTS:
@@ -158,7 +159,7 @@ class Foxglove:
             client = await self.at_board(self.hand.login, token, f"{host}:{port}")
         except UnityLinkError as error:
             return await connection.close(REFUSED, str(error)[:120])
-        conversation = Conversation(connection, self, client)
+        conversation = Conversation(connection, self, client, stops)
         self.conversations.add(conversation)
         try:
             await conversation.run()
