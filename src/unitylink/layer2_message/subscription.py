@@ -156,7 +156,7 @@ class Subscription:
     async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:
         """Yield (time_s, words) of every publish until link or subscription are closed.
 
-        Raises LinkClosed if the port is gone.
+        Raises LinkClosed if the port is gone, and DeviceMismatch if another board has come that refuses it.
         """
         with arrivals(self._native) as arrived:
             while True:
@@ -169,6 +169,7 @@ class Subscription:
                 if over:
                     if self._open:
                         self._native.check_alive()
+                        self._native.wait(self._identity, 0.0)  # it has ended by itself
                     return
                 await arrived.wait()
                 arrived.clear()

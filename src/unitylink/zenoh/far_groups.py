@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections import deque
@@ -10,17 +11,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from unitylink.errors import LinkClosed, ProtocolError
+from unitylink.errors import LinkClosed, ProtocolError, UnityLinkError
 from unitylink.layer2_message.native_link import Times, Words
 
 from .messages import decode_sample
 
 _HALF = 1 << 31
+_log = logging.getLogger("unitylink.zenoh")
 
 
 @dataclass
 class FarGroup:
-    """One subscription. `number` is that of the bridge, which is another one after the bridge came back."""
+    """One subscription. `number` is that of the bridge, which is another one after the bridge came back.
+
+    `refused` is why the board that came back does not publish it.
+    """
 
     addresses: tuple[int, ...]
     divisor: int
@@ -29,6 +34,7 @@ class FarGroup:
     rows: deque[tuple[float, tuple[int, ...]]]
     number: int = 0
     open: bool = True
+    refused: UnityLinkError | None = None
     expected: int | None = None
     lost: int = 0
     missing: int = 0
@@ -80,6 +86,16 @@ class FarGroups:
             self.count += 1
             self.news.notify_all()
 
+    def refuse(self, number: int, error: UnityLinkError) -> str:
+        """The board that came back does not publish it. Whoever waits for it is told why. Return that."""
+        text = f"the subscription has ended, for the board that came back refuses it: {error}"
+        with self.news:
+            group = self._groups[number]
+            group.open, group.refused = False, type(error)(text)
+        _log.error("no more callbacks: %s", text)
+        self.tell()
+        return text
+
     def end(self, why: str) -> None:
         """Nothing comes any more."""
         self.ended = why
@@ -100,11 +116,13 @@ class FarGroups:
             return rows.popleft() if len(rows) == 1 else None
 
     def wait(self, number: int, timeout_s: float) -> bool:
-        """Wait for a publish of a group. Raises LinkClosed if none can come any more."""
+        """Wait for a publish of a group. Raises LinkClosed, or what it was refused with, if none can come."""
         group = self._groups[number]
         with self.news:
             until = time.monotonic() + timeout_s
             while not group.rows:
+                if group.refused is not None:
+                    raise type(group.refused)(str(group.refused))
                 if self.ended or not group.open:
                     raise LinkClosed(self.ended or "the subscription is closed")
                 left_s = until - time.monotonic()

@@ -358,7 +358,8 @@ class FarLine:
                         self.bridge.greet_again()
                         break
                     except UnityLinkError as error:
-                        self._events.append(("lost", self.now_s(), f"a subscription has ended: {error}"))
+                        self._subscribers.pop(number).undeclare()
+                        self._events.append(("lost", self.now_s(), self.groups.refuse(number, error)))
         self._tell()
 
     def events(self, since: int) -> tuple[list[tuple[str, float, str]], int]:

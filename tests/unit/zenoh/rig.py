@@ -17,7 +17,7 @@ from unitylink.server.audit import Audit
 from unitylink.server.robot import Robot
 from unitylink.server.scopes import Rights
 from unitylink.server.tokens import Tokens, User, digest, new_token
-from unitylink.simulate import Board
+from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 from unitylink.zenoh.bridge.bridge import Bridge
@@ -171,10 +171,11 @@ class Rig:
             reading=self.reading,
         )
 
-    def new_board(self) -> Board:
+    def new_board(self, **configuration: Any) -> Board:
         """Put another board where the last one was."""
+        made = BoardConfiguration.for_spec(self.spec, **configuration)
         self.board = self.stack.enter_context(
-            Board(self.spec, plant=self.oracle, endpoint=f"tcp:{self.board_port}")
+            Board(self.spec, configuration=made, plant=self.oracle, endpoint=f"tcp:{self.board_port}")
         )
         return self.board
 

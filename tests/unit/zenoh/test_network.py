@@ -372,39 +372,6 @@ def test_nobody_is_there(rig: Rig) -> None:
         link.set_points("j1", ttl_s=math.nan)
 
 
-def test_a_board_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
-    """Its token goes within a second. Clients come back by themselves, and so do their publishes."""
-    link = opened(stack, rig)
-    rows: list[int] = []
-    subscription = stack.enter_context(link.subscribe([ANGLE], divisor=10))
-    subscription.on_publish(lambda time_s, words: rows.append(words[0]))
-    until(lambda: rows)
-    generation = link.generation
-    began_s = time.monotonic()
-    rig.board.close()
-    until(lambda: not link.up)
-    assert time.monotonic() - began_s < 1.0
-    with pytest.raises(LinkDown, match="the board, its bridge or the way to it is gone"):
-        link.read(ANGLE)
-    rows.clear()
-    rig.new_board()
-    assert link.wait_up(10)
-    assert link.read(ANGLE) == 250 and link.generation > generation
-    until(lambda: rows)
-
-
-def test_a_bridge_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
-    """It is the router, too. Nothing that was meant for the old one is executed by the new one."""
-    link = opened(stack, rig, "&timeout=0.2")
-    link.write(HITS, 1)
-    rig.bridge.close()
-    until(lambda: not link.up)
-    rig.start()
-    assert link.wait_up(10)
-    link.write(HITS, 2)
-    assert rig.board.registers[HITS] == 2
-
-
 def _after(delay_s: float, act: Any) -> threading.Timer:
     timer = threading.Timer(delay_s, act)
     timer.start()

@@ -210,6 +210,8 @@ class Bridge:
         while not self.ended.is_set():
             link = self._link()
             if link is not self._at:
+                if self._at is not None and link is not None:  # so fast that nobody was told that it was away
+                    self._guests.dismiss_all("the board was replaced")
                 self._at = link
                 self._end_groups()
             if link is not None and self._served is None:

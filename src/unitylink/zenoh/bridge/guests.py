@@ -66,6 +66,13 @@ class Guests:
         for visit in visits:
             self.leave(visit)
 
+    def dismiss_all(self, why: str) -> None:
+        """End all visits without their doing. The clients have to say hello again."""
+        with self.lock:
+            visits = self.visits.all()
+        for visit in visits:
+            self._gone(visit, why)
+
     def look(self, session: zenoh.Session) -> None:
         """Renew the leases of those who are there, and show all leases as tokens. Call it often."""
         with self.lock:
