@@ -55,9 +55,9 @@ std::uint32_t BoardServer::set_dead_man() {
     return status::ok;
   }
   Link& link = upstream_.link();
-  link.leave();
   const double ticks = least == 0 ? 0 : static_cast<double>(least) - 0.5;  // it is rounded up
-  const Outcome outcome = link.set_dead_man(ticks / static_cast<double>(facts_.configuration.base_hz), {});
+  const Outcome outcome =
+      at_board([&] { return link.set_dead_man(ticks / static_cast<double>(facts_.configuration.base_hz), {}); });
   if (outcome.ok()) {
     board_ticks_ = least;
   } else if (outcome.status == Status::denied) {
@@ -67,13 +67,12 @@ std::uint32_t BoardServer::set_dead_man() {
 }
 
 Outcome BoardServer::trip(const RequestOptions& how) {
-  return ordered([&how](BoardServer& self) {
-    Outcome outcome = self.upstream_.link().trip(how);
-    if (outcome.ok()) {
-      self.notice_trip();
-    }
-    return outcome;
-  });
+  Outcome outcome = upstream_.link().trip(how);
+  if (outcome.ok()) {
+    tripped_now_ = true;  // the thread of the server notices it before it obeys any order, such as to arm
+    wake();
+  }
+  return outcome;
 }
 
 Outcome BoardServer::arm(const RequestOptions& how) {
@@ -112,10 +111,12 @@ Outcome BoardServer::ordered(std::function<Outcome(BoardServer&)> act) {
 }
 
 void BoardServer::obey(bool ending) {
+  if (tripped_now_.exchange(false)) {
+    notice_trip();
+  }
   if (orders_.empty()) {
     return;
   }
-  upstream_.link().leave();
   for (Order* const order : std::exchange(orders_, {})) {
     try {
       order->outcome = ending ? Outcome(Status::closed, "the server has ended") : order->act(*this);
@@ -129,12 +130,12 @@ void BoardServer::obey(bool ending) {
 Outcome BoardServer::arm_board(const RequestOptions& how) {
   Link& link = upstream_.link();
   std::uint32_t state = 0;
-  Outcome outcome = link.read_control(protocol::control::arm, std::span(&state, 1), how);
+  Outcome outcome = at_board([&] { return link.read_control(protocol::control::arm, std::span(&state, 1), how); });
   if (outcome.ok() && (state & 1) != 0) {
     notice_trip();  // it tripped by itself: the dead-men of the clients end with that
   }
   if (outcome.ok()) {
-    outcome = link.arm(how);
+    outcome = at_board([&] { return link.arm(how); });
   }
   if (outcome.ok()) {
     tripped_ = false;
@@ -176,9 +177,8 @@ void BoardServer::make_safe() {
   if (!trip_wanted_.exchange(false)) {
     return;
   }
-  Link& link = upstream_.link();
-  link.leave();
-  if (link.trip({}).status != Status::mismatch) {  // after any other failure the board's own dead-man trips
+  const Outcome outcome = at_board([this] { return upstream_.link().trip({}); });
+  if (outcome.status != Status::mismatch) {  // after any other failure the board's own dead-man trips
     notice_trip();
   }
 }

@@ -24,7 +24,7 @@ constexpr std::uint64_t look_most_ns = 1'000'000'000;
 BoardServer::BoardServer(Link& link, Addresses plain)
     : facts_{link.configuration(), link.description(), std::move(plain)},
       upstream_(link),
-      fan_out_(link),
+      fan_out_(link, mutex_),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       generation_(link.generation()),

@@ -22,6 +22,7 @@
 #include "server/connection.hpp"
 #include "server/fan_out.hpp"
 #include "server/session.hpp"
+#include "server/unlocked.hpp"
 #include "server/upstream.hpp"
 
 namespace unitylink::server {
@@ -82,7 +83,8 @@ class BoardServer final : public Host {
   bool drop(std::uint64_t id);
   // The clients that have sent no frame for so long.
   [[nodiscard]] std::vector<std::uint64_t> silent(std::uint64_t limit_ns);
-  // As those of the link, and the clients' dead-men know of it. The thread of the server does it; another one waits.
+  // As those of the link, and the clients' dead-men know of it. A trip waits for no other request. The thread of the
+  // server arms; another one waits.
   [[nodiscard]] Outcome trip(const RequestOptions& how);
   [[nodiscard]] Outcome arm(const RequestOptions& how);
   // Likewise. A group that a client reads, too, is shared with it.
@@ -123,6 +125,10 @@ class BoardServer final : public Host {
   void look_at_dead_men();
   void make_safe();
   [[nodiscard]] Outcome ordered(std::function<Outcome(BoardServer&)> act);
+  template <class Call>
+  [[nodiscard]] Outcome at_board(const Call& call) {
+    return while_unlocked(mutex_, upstream_.link(), call);
+  }
   void obey(bool ending);
   [[nodiscard]] Outcome arm_board(const RequestOptions& how);
   void tell(News news);
@@ -136,6 +142,7 @@ class BoardServer final : public Host {
   [[nodiscard]] std::uint64_t due_ns() const noexcept;
   void wake() noexcept;
 
+  std::mutex mutex_;  // guards all below the flags; the thread holds it whenever it does not wait
   Facts facts_;
   Upstream upstream_;
   FanOut fan_out_;
@@ -143,8 +150,8 @@ class BoardServer final : public Host {
   Descriptor wake_;
   std::atomic<bool> ending_ = false;
   std::atomic<bool> trip_wanted_ = false;
+  std::atomic<bool> tripped_now_ = false;  // by another thread
 
-  std::mutex mutex_;  // guards all below; the thread holds it whenever it does not wait
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<std::unique_ptr<Client>> admitted_;
   std::uint64_t clients_made_ = 0;

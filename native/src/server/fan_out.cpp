@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/unlocked.hpp"
+
 namespace unitylink::server {
 
 Outcome FanOut::add(const Reader& reader, Definition definition) {
@@ -44,15 +46,14 @@ Outcome FanOut::hush(std::uint32_t subscription) {
 }
 
 Outcome FanOut::open(Group group, std::size_t ring) {
-  link_.leave();
-  Outcome outcome = link_.subscribe({.addresses = group.definition.addresses,
-                                     .divisor = group.definition.divisor,
-                                     .on_event = group.definition.on_event,
-                                     .verify = false,  // who asks has done so, if he wants
-                                     .ring = ring,
-                                     .kept = group.heard,
-                                     .group = group.definition.group},
-                                    group.subscription);
+  const SubscriptionRequest request{.addresses = group.definition.addresses,
+                                    .divisor = group.definition.divisor,
+                                    .on_event = group.definition.on_event,
+                                    .verify = false,  // who asks has done so, if he wants
+                                    .ring = ring,
+                                    .kept = group.heard,
+                                    .group = group.definition.group};
+  Outcome outcome = while_unlocked(mutex_, link_, [&] { return link_.subscribe(request, group.subscription); });
   if (outcome.ok()) {
     groups_.push_back(std::move(group));
   }
@@ -60,10 +61,13 @@ Outcome FanOut::open(Group group, std::size_t ring) {
 }
 
 void FanOut::remove(const Reader& reader) {
+  std::size_t erased = 0;
   for (Group& group : groups_) {
-    std::erase(group.readers, reader);
+    erased += std::erase(group.readers, reader);
   }
-  static_cast<void>(close_unread());
+  if (erased > 0) {  // a client that comes in has none, and waits for nothing
+    static_cast<void>(close_unread());
+  }
 }
 
 void FanOut::remove(const Session& session) {
@@ -75,16 +79,14 @@ void FanOut::remove(const Session& session) {
 
 Outcome FanOut::close_unread() {
   Outcome outcome;
-  for (auto group = groups_.begin(); group != groups_.end();) {
-    if (!group->readers.empty() || group->heard) {
-      ++group;
-      continue;
-    }
-    link_.leave();
-    if (Outcome closed = link_.unsubscribe(group->subscription); !closed.ok()) {
+  const auto unread = [](const Group& group) { return group.readers.empty() && !group.heard; };
+  for (auto found = std::ranges::find_if(groups_, unread); found != groups_.end();
+       found = std::ranges::find_if(groups_, unread)) {
+    const std::uint32_t subscription = found->subscription;
+    groups_.erase(found);  // first, because others may come here meanwhile
+    if (Outcome closed = while_unlocked(mutex_, link_, [&] { return link_.unsubscribe(subscription); }); !closed.ok()) {
       outcome = std::move(closed);
     }
-    group = groups_.erase(group);
   }
   return outcome;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,7 +32,8 @@ class FanOut {
     friend bool operator==(const Definition&, const Definition&) = default;
   };
 
-  explicit FanOut(Link& link) noexcept : link_(link) {}
+  // Who calls holds `mutex`. It is free while the board is waited for, and nobody else changes the groups then.
+  FanOut(Link& link, std::mutex& mutex) noexcept : link_(link), mutex_(mutex) {}
 
   // mismatch: the board has no group left. Other failures: it did not answer.
   [[nodiscard]] Outcome add(const Reader& reader, Definition definition);
@@ -57,6 +59,7 @@ class FanOut {
   Outcome close_unread();
 
   Link& link_;
+  std::mutex& mutex_;
   std::vector<Group> groups_;
 };
 

@@ -14,12 +14,15 @@ from urllib.parse import urlsplit
 class HeldWire:
     """Forwards bytes to the board while `open_` is set. What comes back is always forwarded.
 
-    `waits` says whether bytes wait for that. `delay_s` says how late some bytes are.
+    `waits` says whether bytes wait for that. `delay_s` says how late some bytes are. Frames of the kind
+    `loses` are lost, and counted.
     """
 
     def __init__(self, board_url: str) -> None:
         self.waits = False
         self.delay_s: Callable[[bytes], float] = lambda _: 0.0
+        self.loses = -1
+        self.lost = 0
         self.open_ = threading.Event()
         self.open_.set()
         place = urlsplit(board_url)
@@ -44,7 +47,13 @@ class HeldWire:
                     self.waits = not self.open_.is_set()
                     self.open_.wait()
                     self.waits = False
+                    data = b"\0".join(filter(self._passes, data.split(b"\0")))
                 sink.sendall(data)
+
+    def _passes(self, frame: bytes) -> bool:
+        lost = self.loses >= 0 and frame[:1] == bytes([self.loses])
+        self.lost += lost
+        return not lost
 
     def close(self) -> None:
         self.open_.set()

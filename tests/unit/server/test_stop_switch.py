@@ -26,7 +26,7 @@ from unitylink.errors import (
     UnityLinkError,
 )
 from unitylink.interface.board_configuration import BoardConfiguration
-from unitylink.protocol import REQUEST_KIND_OPEN
+from unitylink.protocol import REQUEST_KIND_DEFINE_GROUP, REQUEST_KIND_OPEN
 from unitylink.server.gate import Client
 from unitylink.server.stop_file import SOMEBODY, StopFile
 from unitylink.server.stop_switch import DEAD_MAN, StopSwitch, now
@@ -244,6 +244,29 @@ def test_an_arm_is_dated_well_also_if_the_session_has_begun_slowly() -> None:
             with pytest.raises(AccessRefused, match="after this was asked for"):
                 armed.result(PATIENCE_S)
         assert one.robot.report()["stopped_by"] == "looks"
+
+
+def test_a_stop_waits_for_no_group_that_the_board_does_not_confirm() -> None:
+    with ExitStack() as stack:
+        board = stack.enter_context(a_board())
+        wire = HeldWire(board.url)
+        stack.callback(wire.close)
+        one = stack.enter_context(served(url=f"{wire.url}?timeout=10"))
+        program, other = stack.enter_context(one.link()), stack.enter_context(one.link())
+        other.write(TARGET, 50)
+        wire.loses = REQUEST_KIND_DEFINE_GROUP
+        with ThreadPoolExecutor() as pool:
+            subscribed = pool.submit(program.subscribe, [0x12], divisor=10)
+            until(lambda: wire.lost)
+            one.robot.switch.stop(enter(one, "looks"))
+            assert board.registers[TARGET] == 0 and one.robot.board_link().dead_man().tripped
+            assert one.robot.report()["groups"] == 0 and not subscribed.done()
+            wire.loses = -1
+            until(subscribed.done)
+        with pytest.raises(DeadManTripped):
+            other.write(TARGET, 60)
+        other.arm()
+        other.write(TARGET, 60)
 
 
 def test_an_arm_after_a_stop_that_failed_makes_the_outputs_safe_first(
