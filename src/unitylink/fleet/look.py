@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import zenoh
 
 ANSWER_S = 2.0  # how long a bridge has to tell its state
+_EACH_S = 0.5  # how long one question waits for the program that runs the fleet; then it is asked again
 _TOKENS_S = 1.0  # how long the tokens have to come; they come at once where all is well
 _STEP_S = 0.02
 _PAUSE_S = 0.2  # between two attempts to reach the router
@@ -33,7 +34,7 @@ def look_at(fleet: Fleet, wait_s: float = 0.0, *, who: str = "") -> tuple[bool, 
         call = RollCall(session, [robot.key for robot in fleet.robots])
         while time.monotonic() < limit_s and not all(call.of(one.key).reachable for one in fleet.robots):
             time.sleep(_STEP_S)
-        told = _told(session, fleet.name)
+        told = _told(session, fleet.name, limit_s)
         call.ask_and_wait(ANSWER_S)
         processes = told.get("robots")
         rows = processes.items() if isinstance(processes, dict) else ()
@@ -54,9 +55,20 @@ def _opened(network: Network, limit_s: float) -> zenoh.Session:
             time.sleep(_PAUSE_S)
 
 
-def _told(session: zenoh.Session, name: str) -> dict[str, Any]:
-    """Return what the program that runs the fleet tells, or nothing."""
-    for reply in session.get(state_key(name), timeout=ANSWER_S):
-        if (told := told_by(reply)) is not None:
-            return told
-    return {}
+def _told(session: zenoh.Session, name: str, limit_s: float) -> dict[str, Any]:
+    """Return what the program that runs the fleet tells, or nothing.
+
+    It is asked until `limit_s`, by the monotonic clock: on a network that was just made, a question may find
+    no way to it. One that is there and does not answer has ANSWER_S.
+    """
+    silent_s = time.monotonic() + ANSWER_S
+    while True:
+        asked_s = time.monotonic()
+        for reply in session.get(state_key(name), timeout=_EACH_S):
+            if (told := told_by(reply)) is not None:
+                return told
+        now_s = time.monotonic()
+        there = now_s - asked_s >= _EACH_S  # a question to nobody is over at once
+        if now_s >= (max(limit_s, silent_s) if there else limit_s):
+            return {}
+        time.sleep(_STEP_S)

@@ -21,10 +21,16 @@ class FarClock:
 
     def __init__(self) -> None:
         self._known = False
-        self._told_ns = self._heard_ns = self._asked_ns = 0
+        self._told_ns = self._heard_ns = self._asked_ns = 0  # of the answer that has come back fastest
+        self._there = (0, 0)  # when it was asked and told, of the question that has gone there fastest
 
     def learn(self, asked_ns: int, told_ns: int, heard_ns: int) -> None:
-        """Take an answer, if it says more than what is known."""
+        """Take an answer, if it says more than what is known.
+
+        One that was held up on one way may still say much by the other.
+        """
+        if not self._known or told_ns <= self.latest(asked_ns):
+            self._there = asked_ns, told_ns
         if not self._known or told_ns >= self._least(heard_ns):
             self._known = True
             self._asked_ns, self._told_ns, self._heard_ns = asked_ns, told_ns, heard_ns
@@ -41,7 +47,9 @@ class FarClock:
 
         It is later by up to the round trip of the question.
         """
-        return self._told_ns + int((now_ns - self._asked_ns) * (1 + DRIFT)) + 1
+        asked_ns, told_ns = self._there
+        since_ns = now_ns - asked_ns
+        return told_ns + since_ns + int(abs(since_ns) * DRIFT) + 1
 
     def here(self, far_ns: int) -> int:
         """Return when that was by the client's clock. It is wrong by up to half a round trip."""

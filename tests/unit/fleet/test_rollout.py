@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import socket
@@ -118,6 +119,20 @@ def test_it_stops_at_the_first_that_is_unwell(ill: dict[str, Any], why: str) -> 
         "arm2: is as before",
         "lab: the update stops here; as before: arm2, arm3",
     ]
+
+
+def test_a_bridge_that_ends_again_and_again_is_unwell(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is on the network each time that somebody looks."""
+    robots, looks, well = Robots(), itertools.count(), Robots._report
+
+    def report(self: Robots, one: FleetRobot) -> RobotReport:
+        told = well(self, one)
+        ends = (one.name, one.spec) == ("arm2", "new.ul")
+        return replace(told, restarts=next(looks) // 2, trouble="no port") if ends else told
+
+    monkeypatch.setattr(Robots, "_report", report)
+    done, said = rolled(robots, NEW)
+    assert not done and "arm2: is unwell, and goes back: no port" in said
 
 
 def test_who_is_written_is_left_alone_unless_forced() -> None:

@@ -26,6 +26,20 @@ class _Clocks:
 
 
 @pytest.mark.parametrize("seed", range(30))
+def test_an_arm_is_dated_by_the_question_that_came_there_fastest(seed: int) -> None:
+    chance = random.Random(seed)
+    clocks, clock, now_ns, best_ns = _Clocks(chance), FarClock(), 10**12, 10**18
+    for _ in range(50):
+        there, back = (chance.choice((1, 3, 900)) * MS for _ in range(2))
+        clock.learn(now_ns, clocks.far(now_ns + there), now_ns + there + back)
+        now_ns += there + back + chance.randrange(500 * MS)
+        drifted_ns = int(2.1 * DRIFT * 3000 * MS)
+        best_ns = min(best_ns + drifted_ns, there + drifted_ns)
+        late_ns = clock.latest(now_ns) - clocks.far(now_ns)
+        assert 0 <= late_ns <= best_ns, "an older or a later time than what the answers allow"
+
+
+@pytest.mark.parametrize("seed", range(30))
 def test_no_set_point_is_executed_after_its_time(seed: int) -> None:
     """The oracle knows both clocks. Delays go up to seconds, questions are asked at any time."""
     chance = random.Random(seed)
