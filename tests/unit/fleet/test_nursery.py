@@ -42,6 +42,7 @@ def test_a_fork_whose_nursery_was_killed_ends_too(tmp_path: Path) -> None:
     assert next(iter(one.lines)) == "lives\n"
     server: Any = forkserver._forkserver
     os.kill(server._forkserver_pid, signal.SIGKILL)
+    os.waitid(os.P_PID, server._forkserver_pid, os.WEXITED | os.WNOWAIT)  # else the next finds it alive
     assert one.wait(10) and one.poll() == 255  # as far as anybody here knows
     began_s = time.monotonic()
     assert "".join(one.lines) == "", "the end of its stderr is its own end"
