@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import socket
 import time
 from collections.abc import Callable
@@ -49,7 +50,7 @@ def two(tmp_path: Path) -> tuple[str, Fleet]:
     with socket.create_server(("127.0.0.1", 0)) as one:
         place = f"tcp/127.0.0.1:{one.getsockname()[1]}"
     (tmp_path / "arm.ul").write_text("public arm() { @x = 0x10: READ(); }\n")
-    robots = "".join(f'[[robot]]\nname = "{name}"\nlink = "sim:arm.ul"\n' for name in "ab")
+    robots = "".join(f'[[robot]]\nname = "{name}"\nlink = "sim:arm.ul"\nmay = ["read"]\n' for name in "ab")
     text = f'[fleet]\nname = "lab"\nconnect = "{place}"\n{robots}'
     return place, parse_fleet(text, tmp_path / "fleet.toml")
 
@@ -69,7 +70,10 @@ def test_a_router_that_goes_ends_no_bridge_and_of_two_that_hang_one_is_killed_at
     place, fleet = two(tmp_path)
     bridges = list[Bridge]()
 
-    def start(words: object, folder: object) -> Bridge:
+    started: list[list[str]] = []
+
+    def start(words: list[str], folder: object) -> Bridge:
+        started.append(words)
         bridges.append(Bridge())
         return bridges[-1]
 
@@ -87,6 +91,11 @@ def test_a_router_that_goes_ends_no_bridge_and_of_two_that_hang_one_is_killed_at
         def there() -> int:
             return sum(bool(supervisor._call.of(f"lab/{name}").bridges) for name in "ab")
 
+        until(lambda: len(bridges) == 2)
+        for words in started:
+            options = dict(itertools.pairwise(words))
+            assert options["--may"] == "read", "else it would allow what its description does not"
+            assert Path(options["--stop-file"]).name == f"{options['--key'].removeprefix('lab/')}.stop"
         tokens = [seen("a"), seen("b")]
         until(lambda: there() == 2)
         time.sleep(5 * TICK_S)  # it has seen the processes on the network

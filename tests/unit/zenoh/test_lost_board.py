@@ -57,6 +57,34 @@ def test_a_board_that_dies_and_comes_back(stack: ExitStack, rig: Rig) -> None:
     until(lambda: rows)
 
 
+def never_away(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bridge looks for its board so seldom that it never finds it gone."""
+    real = rig.bridge._link
+
+    def found() -> Any:
+        while (link := real()) is None and not rig.bridge.ended.is_set():
+            time.sleep(0.005)
+        return link
+
+    monkeypatch.setattr(rig.bridge, "_link", found)
+
+
+def test_a_topic_goes_on_when_its_board_was_replaced(
+    stack: ExitStack, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    samples: list[object] = []
+    session = stack.enter_context(rig.network.opened())
+    stack.callback(session.declare_subscriber("lab/arm1/publish/100_hz", samples.append).undeclare)
+    until(lambda: samples)
+    never_away(rig, monkeypatch)
+    rig.board.close()
+    rig.new_board()
+    rig.robot.board_link().close()  # as if the board had refused what belonged to the link
+    until(lambda: rig.robot.away == "")
+    samples.clear()
+    until(lambda: samples)
+
+
 def test_a_board_is_replaced_by_one_with_fewer_groups(
     stack: ExitStack, rig: Rig, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -65,14 +93,7 @@ def test_a_board_is_replaced_by_one_with_fewer_groups(
     link = opened(stack, rig)
     one, two = link.subscribe([ANGLE], divisor=10), link.subscribe([HITS], divisor=20)
     assert one.wait(10) and two.wait(10)
-    real = rig.bridge._link
-
-    def never_away() -> Any:
-        while (link := real()) is None and not rig.bridge.ended.is_set():
-            time.sleep(0.005)
-        return link
-
-    monkeypatch.setattr(rig.bridge, "_link", never_away)
+    never_away(rig, monkeypatch)
     rig.board.close()
     rig.new_board(groups=1)
     with pytest.raises(DeviceMismatch, match=r"board that came back refuses it: .*all 1 groups .* in use"):

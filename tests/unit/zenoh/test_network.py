@@ -29,7 +29,11 @@ from unitylink.errors import (
     ValueRangeError,
 )
 from unitylink.interface.wire_hash import wire_hashes
+from unitylink.server.gate import Client
+from unitylink.server.scopes import Rights
+from unitylink.server.tokens import User
 from unitylink.spec import compile_text
+from unitylink.zenoh.bridge.visits import Visit
 from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.messages import DO, ONCE, WRITE_VALUE, Request, SetPoint
 
@@ -118,6 +122,19 @@ def test_who_only_reads_cannot_write(stack: ExitStack, rig: Rig) -> None:
     stranger.session.put("lab/arm1/set/stamp", point.encode())
     until(lambda: refused(rig, "access")[0] > before)
     assert rig.board.registers[STAMP] == stamp
+
+
+def test_who_may_read_a_part_reads_no_other(rig: Rig) -> None:
+    part = Client(99, User("part", Rights.of(["read j1"])), "a test")
+
+    def request(kind: int, address: int) -> Request:
+        return Request(kind, 1, 1, argument=10, operations=((READ, address, 0, 0),))
+
+    assert rig.bridge._executor.words(part, request(DO, ANGLE)) == [250]
+    for_it = Visit(1, "part", part, 0)
+    for ask in rig.bridge._executor.words, lambda _, asked: [rig.bridge._requests._subscribed(for_it, asked)]:
+        with pytest.raises(AccessRefused, match="part may not read 0x0030"):
+            ask(part, request(DO, HITS))
 
 
 def test_one_client_at_a_time_writes_a_part(stack: ExitStack, rig: Rig) -> None:
