@@ -126,13 +126,20 @@ need_doctest() {
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
 }
 
+apt_install() {                           # another program may be at it, as on a machine that has just been started
+  local tries=0
+  until { apt-get update -qq \
+      && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@"; } > build/apt.log 2>&1; do
+    grep -q 'Could not get lock\|Unable to lock\|Unable to acquire' build/apt.log && [ $((tries += 1)) -lt 60 ] || return 1
+    [ $tries = 1 ] && echo "another program uses apt; waiting for it, 5 minutes at most"
+    sleep 5
+  done
+}
+
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     echo "installing with apt-get, as root: ${packages[*]}"
-    {
-      apt-get update -qq \
-        && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"
-    } > build/apt.log 2>&1 \
+    apt_install "${packages[@]}" \
       || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all it said: build/apt.log)"; }
   else
     stop_if_missing

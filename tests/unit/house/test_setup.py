@@ -19,7 +19,7 @@ def machine(tmp_path: Path) -> Path:
     (tmp_path / "tools" / "setup.sh").write_text(SETUP.read_text(encoding="utf-8"), encoding="utf-8")
     programs = tmp_path / "bin"
     programs.mkdir()
-    for name in ("bash", "mkdir", "flock", "dirname", "sed", "tail", "cat"):
+    for name in ("bash", "mkdir", "flock", "dirname", "sed", "tail", "cat", "grep"):
         found = next(
             Path(place) / name for place in os.defpath.split(":")[::-1] if (Path(place) / name).exists()
         )
@@ -61,3 +61,24 @@ def test_as_anybody_else_it_names_what_is_missing_and_stops(machine: Path) -> No
     done = run(machine, 1000)
     assert done.returncode == 1 and not (machine / "said").exists()
     assert "missing: ghdl, verilator; on Debian or Ubuntu: sudo apt-get install ghdl verilator" in done.stderr
+
+
+def test_it_waits_while_another_program_uses_apt(machine: Path) -> None:
+    lock = "E: Could not get lock /var/lib/apt/lists/lock. It is held by process 7 (apt-get)"
+    script(machine / "bin" / "sleep", "echo waited >> slept")
+    script(
+        machine / "bin" / "apt-get",
+        f'echo "$@" >> said; [ -e slept ] && exit 0; echo "{lock}"; exit 100',
+    )
+    done = run(machine, 0)
+    assert done.returncode == 0, done.stderr
+    assert (machine / "slept").read_text() == "waited\n"
+    assert "another program uses apt; waiting for it" in (machine / "told").read_text()
+
+
+def test_it_waits_for_nothing_else(machine: Path) -> None:
+    script(machine / "bin" / "sleep", "echo waited >> slept")
+    script(machine / "bin" / "apt-get", 'echo "E: Unable to locate package verilator"; exit 100')
+    done = run(machine, 0)
+    assert done.returncode == 1 and not (machine / "slept").exists()
+    assert "E: Unable to locate package verilator" in done.stderr
