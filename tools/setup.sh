@@ -130,7 +130,8 @@ apt_install() {                           # another program may be at it, as on 
   local tries=0
   until { apt-get update -qq \
       && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@"; } > build/apt.log 2>&1; do
-    grep -q 'Could not get lock\|Unable to lock\|Unable to acquire' build/apt.log && [ $((tries += 1)) -lt 60 ] || return 1
+    grep -q 'Could not get lock\|Unable to lock\|Unable to acquire' build/apt.log || return 1
+    [ $((tries += 1)) -lt 60 ] || return 1
     [ $tries = 1 ] && echo "another program uses apt; waiting for it, 5 minutes at most"
     sleep 5
   done

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _LOCATOR = re.compile(r"(?:tcp|tls)/\[?([0-9A-Fa-f.:]+)\]?:(\d+)(?:[?#].*)?")
 _NO_LINGER = struct.pack("ii", 0, 0)
 _DESCRIPTORS = "/dev/fd"
-_End = tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]
+Place = tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]
 
 
 def close_without_waiting(session: zenoh.Session) -> None:
@@ -33,63 +33,89 @@ def close_without_waiting(session: zenoh.Session) -> None:
 
     The system still sends what was given to it before.
     """
-    session.info.declare_link_events_listener(_heard, history=True)
+    from zenoh import SampleKind
+
+    seen: set[int] = set()
+
+    def heard(event: zenoh.LinkEvent) -> None:
+        if event.kind == SampleKind.PUT:
+            relax(event.link.src, event.link.dst, seen)
+
+    session.info.declare_link_events_listener(heard, history=True)
 
 
-def _heard(event: zenoh.LinkEvent) -> None:
-    import zenoh
+def relax(here: str, there: str, seen: set[int] | None = None) -> int:
+    """Change the sockets of this process between two locators. Return how many there are.
 
-    if event.kind == zenoh.SampleKind.PUT:
-        relax(event.link.src, event.link.dst)
-
-
-def relax(here: str, there: str) -> int:
-    """Change the sockets of this process between two locators. Return how many there are."""
+    Those in `seen` are left out, and what is found comes to it. So a router with a hundred links looks at the
+    new one only.
+    """
     found = 0
-    for one in sockets_between(here, there):
+    for one in sockets_between(here, there, seen):
         with one, contextlib.suppress(OSError):
             one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _NO_LINGER)
             found += 1
     return found
 
 
-def sockets_between(here: str, there: str) -> Iterator[socket.socket]:
-    """Yield a copy of each socket of this process between two locators. The caller closes it."""
+def sockets_between(here: str, there: str, seen: set[int] | None = None) -> Iterator[socket.socket]:
+    """Yield a copy of each socket of this process between two locators. The caller closes it.
+
+    `seen` has the numbers of those that were found before. They are left out.
+    """
     ends = _end(here), _end(there)
     if None in ends:
         return
+    present: set[int] = set()
+    for number, one in sockets():
+        present.add(number)
+        mine = False
+        if seen is None or number not in seen:
+            with contextlib.suppress(OSError):  # it has no two ends
+                mine = (normal(*one.getsockname()[:2]), normal(*one.getpeername()[:2])) == ends
+        if not mine:
+            one.close()
+            continue
+        if seen is not None:
+            seen.add(number)
+        yield one
+    if seen is not None:
+        seen &= present
+
+
+def sockets() -> Iterator[tuple[int, socket.socket]]:
+    """Yield a copy of each TCP socket of this process, which the caller closes, and its number.
+
+    The number is that of the socket, not of its descriptor. So a later socket has another one.
+    """
     try:
         names = os.listdir(_DESCRIPTORS)
-    except OSError:  # a system without this folder, such as Windows: its sockets stay as they are
+    except OSError:  # a system without this folder, such as Windows
         return
     for name in names:
-        with contextlib.suppress(OSError):  # it is closed meanwhile, or is no socket with two ends
-            if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
+        with contextlib.suppress(OSError):  # it is closed meanwhile
+            about = os.fstat(int(name))
+            if not stat.S_ISSOCK(about.st_mode):
                 continue
             one = socket.socket(fileno=os.dup(int(name)))
-            try:
-                inside = one.family in {socket.AF_INET, socket.AF_INET6}
-                mine = inside and (_place(one.getsockname()), _place(one.getpeername())) == ends
-            except OSError:
-                mine = False
-            if mine:
-                yield one
+            if one.family in {socket.AF_INET, socket.AF_INET6} and one.type == socket.SOCK_STREAM:
+                yield about.st_ino, one
             else:
                 one.close()
 
 
-def _end(locator: str) -> _End | None:
+def normal(host: str, port: int) -> Place:
+    """Return a place in one form: without the interface, and IPv4 as such."""
+    address = ipaddress.ip_address(host.partition("%")[0])
+    return (getattr(address, "ipv4_mapped", None) or address), port
+
+
+def _end(locator: str) -> Place | None:
     """Return address and port of a locator. None: it is not of TCP."""
     parts = _LOCATOR.fullmatch(locator)
     if parts is None:
         return None
     try:
-        return _place((parts[1], int(parts[2])))
+        return normal(parts[1], int(parts[2]))
     except ValueError:
         return None
-
-
-def _place(name: tuple[str, int] | tuple[str, int, int, int]) -> _End:
-    address = ipaddress.ip_address(name[0].partition("%")[0])
-    mapped = getattr(address, "ipv4_mapped", None)
-    return (mapped or address), name[1]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -76,10 +76,11 @@ class RollCall:
                 set(one.bridges), set(one.boards), dict(one.leases), one.state, one.told_s, one.board_gone_s
             )
 
-    def ask(self, timeout_s: float) -> None:
-        """Ask all bridges that live for their states, and do not wait."""
+    def ask(self, timeout_s: float, keys: Collection[str] | None = None) -> None:
+        """Ask all bridges that live for their states, or those of `keys`, and do not wait."""
         with self._lock:
-            asked = [key for key, one in self._presences.items() if one.bridges and key not in self._waiting]
+            there = [key for key, one in self._presences.items() if one.bridges and key not in self._waiting]
+            asked = [key for key in there if keys is None or key in keys]
             self._waiting.update(asked)
         for key in asked:
             self._session.get(Keys(key).fixed("state"), handler=self._taker(key), timeout=timeout_s)

@@ -41,7 +41,9 @@ class Supervisor:
         self._start = start
         self._say = say
         self._ended = threading.Event()
-        self._news = threading.Event()  # a board has come or gone since the bridges were asked
+        self._news: set[str] = (
+            set()
+        )  # the keys of boards that have come or gone since their bridges were asked
         self._lock = threading.Lock()  # guards the processes
         with contextlib.ExitStack() as stack:
             self._specs = stack.enter_context(SpecStore(fleet))
@@ -159,10 +161,12 @@ class Supervisor:
                 for name, process in self._processes.items():
                     bridges = self._call.of(self.robots[name].key).bridges
                     process.look(now_s, on_network=deaf or bool(bridges), may_kill=self._may_kill(now_s))
-            if now_s - asked_s >= ASK_S or self._news.is_set():
+            if now_s - asked_s >= ASK_S:
                 asked_s = now_s
-                self._news.clear()
                 self._call.ask(ASK_S)
+            elif self._news:
+                news, self._news = self._news, set()
+                self._call.ask(ASK_S, news)
 
     def _may_kill(self, now_s: float) -> bool:
         """Whether no bridge that was killed is on its way back. If many are silent, it is not their fault."""
@@ -221,7 +225,7 @@ class Supervisor:
                 up = self._call.of(key).reachable
                 if up != self._up[name] and not self._ended.is_set():
                     self._up[name] = up
-                    self._news.set()
+                    self._news.add(key)
                     self._say(name, "up" if up else "gone from the network")
 
 

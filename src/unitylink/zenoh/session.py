@@ -17,11 +17,11 @@ LEASE_MS = 800  # a peer that is silent for so long is gone
 _BURST = 16  # set-points, at most: each goes alone, and one for which there is no room is dropped
 # TCP waits 1 s, and more each time, before it asks again for a connection. So an attempt without an answer is
 # given up early, and the next one asks at once.
-_OPEN_MS = 500
-_PAUSE_MS = 100  # between two attempts
+_OPEN_MS = 400
+_PAUSE_MS = 50  # between two attempts
 _ROUTER_OPEN_MS = 1000  # from a router to another one, which may be far away
 _TRY_MS = 2000  # how long a client tries at the start
-_SLOW_OPEN_MS = 5000  # if the first attempts were all too short
+_SLOW_OPEN_MS = 4000  # if the first attempts were all too short
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
 

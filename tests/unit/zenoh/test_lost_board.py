@@ -77,9 +77,10 @@ def test_a_topic_goes_on_when_its_board_was_replaced(
     stack.callback(session.declare_subscriber("lab/arm1/publish/100_hz", samples.append).undeclare)
     until(lambda: samples)
     never_away(rig, monkeypatch)
+    link = rig.robot.board_link()
     rig.board.close()
     rig.new_board()
-    rig.robot.board_link().close()  # as if the board had refused what belonged to the link
+    link.close()  # as if the board had refused what belonged to the link
     until(lambda: rig.robot.away == "")
     samples.clear()
     until(lambda: samples)

@@ -33,6 +33,7 @@ from unitylink.server.gate import Client
 from unitylink.server.scopes import Rights
 from unitylink.server.tokens import User
 from unitylink.spec import compile_text
+from unitylink.zenoh.bridge import bridge
 from unitylink.zenoh.bridge.visits import Visit
 from unitylink.zenoh.link import ZenohLink
 from unitylink.zenoh.messages import DO, ONCE, WRITE_VALUE, Request, SetPoint
@@ -306,6 +307,21 @@ def test_a_stranger_needs_nothing_but_the_key(stack: ExitStack, rig: Rig) -> Non
     assert struct.unpack_from("<d", got[0], offset) == (0.25,)
     numbers = [struct.unpack_from("<I", one)[0] for one in got]
     assert numbers == list(range(numbers[0], numbers[0] + len(got)))
+
+
+def test_a_subscriber_waits_for_no_look_of_the_bridge(
+    stack: ExitStack, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bridge, "LOOK_S", 60.0)
+    time.sleep(0.3)  # the look that was under way
+    session = stack.enter_context(rig.network.opened())
+    for _ in range(2):
+        came = threading.Event()
+        with session.declare_subscriber("lab/arm1/publish/**", lambda sample, came=came: came.set()):
+            assert came.wait(5.0)
+        until(lambda: not rig.bridge._groups._groups)
+    monkeypatch.undo()
+    rig.bridge._news.set()  # else it looks again after a minute only
 
 
 def test_what_is_refused_is_counted_and_named(stack: ExitStack, rig: Rig) -> None:

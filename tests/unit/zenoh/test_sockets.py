@@ -38,6 +38,18 @@ def test_only_the_socket_between_two_places_is_changed(host: str, form: str) -> 
         assert far.recv(99) == b"it is open"
 
 
+def test_a_socket_that_was_seen_is_left_out_until_its_descriptor_is_that_of_another() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        seen: set[int] = set()
+        found = []
+        for _ in range(3):
+            with socket.create_connection(door.getsockname()) as near, door.accept()[0]:
+                here, there = (f"tcp/127.0.0.1:{end[1]}" for end in (near.getsockname(), near.getpeername()))
+                found += [relax(here, there, seen), relax(here, there, seen)]
+                assert len(seen) == 1, "those that are closed are forgotten"
+        assert found == [1, 0] * 3
+
+
 @pytest.mark.parametrize(
     "place", ["udp/127.0.0.1:7447", "tcp/somewhere:7447", "tcp/1.2.3.4.5:6", "unixsock/x"]
 )

@@ -67,6 +67,7 @@ class Bridge:
         self.robot, self.keys, self.id = robot, keys, secrets.token_hex(8)
         self.trouble = ""
         self.ended = threading.Event()
+        self._news = threading.Event()  # subscribers have come or gone, or the bridge has ended
         self.refusals = Refusals()
         self.hash = f"{wire_hash(robot.spec):016x}"
         self._spec_text = spec_text
@@ -169,6 +170,7 @@ class Bridge:
 
     def _end(self) -> None:
         self.ended.set()
+        self._news.set()
         self._governor.join()
         self._alive_is(False)
         if self._served is not None:
@@ -194,7 +196,7 @@ class Bridge:
             refusals=self.refusals,
         )
         publishers = {name: self._out.declare_publisher(keys.publish(name)) for name in topics}
-        self._served = points, Topics(spec, fields, publishers, self._groups)
+        self._served = points, Topics(spec, fields, publishers, self._groups, self._news.set)
         reader = self._guests.enter("zenoh")
         values = Values(
             {keys.value(path): one for path, one in fields.items()}, self._executor, self._requests, reader
@@ -224,7 +226,8 @@ class Bridge:
             self._guests.look(self._session)
             if link is not None and self._served is not None:
                 self._served[1].look()
-            self.ended.wait(LOOK_S)
+            self._news.wait(LOOK_S)
+            self._news.clear()
         if self._served is not None:
             self._values.close()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from unitylink._native import SampleOutput
@@ -45,10 +45,18 @@ def typed_output(put: Put, fields: Sequence[Field]) -> SampleOutput:
 
 
 class Topics:
-    """Joins the groups of the spec for as long as their publications have subscribers."""
+    """Joins the groups of the spec for as long as their publications have subscribers.
+
+    `news` is called when subscribers come or go: then it is time to look.
+    """
 
     def __init__(
-        self, spec: Spec, fields: dict[str, Field], publishers: dict[str, zenoh.Publisher], groups: Groups
+        self,
+        spec: Spec,
+        fields: dict[str, Field],
+        publishers: dict[str, zenoh.Publisher],
+        groups: Groups,
+        news: Callable[[], None],
     ) -> None:
         self._groups, self._publishers = groups, publishers
         self._named = topic_names(spec)
@@ -57,6 +65,7 @@ class Topics:
         }
         self._joined: dict[str, int] = {}
         self.failed: dict[str, str] = {}
+        self._listeners = [one.declare_matching_listener(lambda _: news()) for one in publishers.values()]
 
     def look(self) -> None:
         """Join and leave, as subscribers come and go. Call it often."""

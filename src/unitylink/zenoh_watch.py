@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ends connections of Zenoh sessions from which nobody reads, so that the sessions connect again.
+
+If the time for an attempt to connect ends just when the attempt succeeds, Zenoh 1.10 keeps the half that
+sends. It tells the router that the session lives, and the router refuses each further connection of that
+session (MAX_LINKS), for ever. It happens to some of many robots that come back together on a busy machine.
+
+How much a socket has received and what of it waits is known on Linux only. Elsewhere nothing is watched.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import struct
+import sys
+import threading
+import time
+from collections.abc import Iterable
+
+from unitylink.zenoh_sockets import Place, normal, sockets
+
+LOOK_S = 0.5
+UNREAD_S = 1.0  # who is silent for so long is gone for its router, so nothing whole is ended
+_ESTABLISHED = 1
+_INFO = struct.Struct("=B127xQ")  # of the kernel's tcp_info: tcpi_state, tcpi_bytes_received
+
+
+class Watch:
+    """Looks at the connections of this process to the places that `add` names."""
+
+    def __init__(self) -> None:
+        self._places: set[Place] = set()
+        self._unread: dict[
+            int, tuple[int, float]
+        ] = {}  # by socket: how much was read, and since when no more
+        self._thread: threading.Thread | None = None
+
+    def add(self, places: Iterable[Place]) -> None:
+        """Watch connections to some places from now on."""
+        self._places.update(places)
+        if sys.platform == "linux" and (
+            self._thread is None or not self._thread.is_alive()
+        ):  # a fork has no thread
+            self._thread = threading.Thread(target=self._run, name="zenoh watch", daemon=True)
+            self._thread.start()
+
+    def look(self, now_s: float) -> int:
+        """Look at all connections. Return how many were ended."""
+        before, self._unread = self._unread, {}
+        ended = 0
+        for number, one in sockets():
+            with one, contextlib.suppress(OSError, struct.error):
+                if normal(*one.getpeername()[:2]) not in self._places:
+                    continue
+                waiting, (state, received) = (
+                    _waiting(one),
+                    _INFO.unpack(one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO.size)),
+                )
+                if state != _ESTABLISHED or not waiting:
+                    continue
+                read = received - waiting
+                was, since_s = before.get(number, (-1, now_s))
+                self._unread[number] = read, (since_s if was == read else now_s)
+                if was == read and now_s - since_s >= UNREAD_S:
+                    one.shutdown(socket.SHUT_RDWR)
+                    ended += 1
+        return ended
+
+    def _run(self) -> None:
+        while True:
+            time.sleep(LOOK_S)
+            self.look(time.monotonic())
+
+
+def places_of(locators: Iterable[str]) -> set[Place]:
+    """Return where locators such as `tcp/arm.lab:7447` lead. One of another kind leads to none."""
+    found: set[Place] = set()
+    for locator in locators:
+        kind, _, rest = locator.partition("/")
+        host, _, port = rest.partition("#")[0].partition("?")[0].rpartition(":")
+        if kind in {"tcp", "tls"} and port.isdecimal():
+            with contextlib.suppress(OSError, ValueError):  # Zenoh says what is wrong with it
+                for answer in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_STREAM):
+                    found.add(normal(str(answer[4][0]), int(port)))
+    return found
+
+
+def _waiting(one: socket.socket) -> int:
+    import fcntl
+    import termios
+
+    return int(struct.unpack("i", fcntl.ioctl(one, termios.FIONREAD, b"\0" * 4))[0])
+
+
+WATCH = Watch()
