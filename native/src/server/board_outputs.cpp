@@ -34,6 +34,7 @@ std::uint32_t status_of_outcome(const Outcome& outcome) noexcept {
 
 std::uint32_t BoardServer::define_group(Session& session, std::uint32_t group, std::span<const std::uint32_t> addresses,
                                         std::uint32_t divisor, bool on_event) {
+  make_safe();
   fan_out_.remove({&session, group});
   if (addresses.empty() || (divisor == 0 && !on_event)) {
     return status::ok;
@@ -67,11 +68,13 @@ std::uint32_t BoardServer::set_dead_man() {
 }
 
 Outcome BoardServer::trip(const RequestOptions& how) {
+  tripping_ += 1;
   Outcome outcome = upstream_.link().trip(how);
   if (outcome.ok()) {
     tripped_now_ = true;  // the thread of the server notices it before it obeys any order, such as to arm
     wake();
   }
+  tripping_ -= 1;
   return outcome;
 }
 
@@ -114,17 +117,14 @@ void BoardServer::obey(bool ending) {
   if (tripped_now_.exchange(false)) {
     notice_trip();
   }
-  if (orders_.empty()) {
-    return;
-  }
   for (Order* const order : std::exchange(orders_, {})) {
     try {
       order->outcome = ending ? Outcome(Status::closed, "the server has ended") : order->act(*this);
     } catch (const std::bad_alloc&) {  // of a large ring: the other clients go on
       order->outcome = Outcome(Status::range, "there is not enough memory for it");
     }
+    obeyed_.notify_all();  // the next one may wait for the board
   }
-  obeyed_.notify_all();
 }
 
 Outcome BoardServer::arm_board(const RequestOptions& how) {
@@ -136,6 +136,11 @@ Outcome BoardServer::arm_board(const RequestOptions& how) {
   }
   if (outcome.ok()) {
     outcome = at_board([&] { return link.arm(how); });
+  }
+  if (outcome.ok() && (tripping_ > 0 || tripped_now_)) {  // nobody knows which of both came last to the board
+    trip_wanted_ = true;
+    make_safe();
+    return {Status::denied, "the device was stopped while it was armed"};
   }
   if (outcome.ok()) {
     tripped_ = false;

@@ -47,6 +47,9 @@ void BoardServer::wake() noexcept {
 std::uint64_t BoardServer::admit(Connection connection, std::string name, Grant grant) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t id = ++clients_made_;
+  if (over_) {
+    return id;
+  }
   const auto user = users_.try_emplace(name, static_cast<std::uint32_t>(users_.size())).first->second;
   admitted_.push_back(std::make_unique<Client>(*this, std::move(connection), std::move(name), user, std::move(grant),
                                                id, upstream_.link().now_ns()));
@@ -219,7 +222,6 @@ void BoardServer::turn(bool up) {
     report_.dropped_silent += client.silent ? 1 : 0;
     drop_client(index);
   }
-  make_safe();
 }
 
 // When the thread must look again, even if nothing arrives.
@@ -327,15 +329,17 @@ void BoardServer::watch(Client& client, std::uint32_t wanted) {
   }
 }
 
-// A client whose dead-man runs has left without CLOSE, so it is dead.
+// A client whose dead-man runs has left without CLOSE, so it is dead. Its outputs are made safe before its groups end,
+// for which the board is waited for.
 void BoardServer::drop_client(std::size_t index) {
+  trip_wanted_ = trip_wanted_ || clients_[index]->session.dead_man_ticks() > 0;
+  make_safe();
   const std::unique_ptr<Client> client = std::move(clients_[index]);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
   upstream_.abandon(client->session);
   fan_out_.remove(client->session);
   const bool in_order = client->session.left_in_order();
   tell({.client = client->id, .kind = in_order ? News::Kind::left : News::Kind::gone, .address = 0});
-  trip_wanted_ = trip_wanted_ || client->session.dead_man_ticks() > 0;
 }
 
 }  // namespace unitylink::server

@@ -70,7 +70,7 @@ class BoardServer final : public Host {
   ~BoardServer();
 
   // Takes a client that has logged in. `name` is that of its user: clients of one name share the turns of one.
-  // Returns its number.
+  // Returns its number. A server that has ended ends the connection at once.
   std::uint64_t admit(Connection connection, std::string name, Grant grant);
   // Changes what a client may do. `decided` answers what it has asked for (Session::resume). False: it is gone.
   struct Decision {
@@ -83,8 +83,8 @@ class BoardServer final : public Host {
   bool drop(std::uint64_t id);
   // The clients that have sent no frame for so long.
   [[nodiscard]] std::vector<std::uint64_t> silent(std::uint64_t limit_ns);
-  // As those of the link, and the clients' dead-men know of it. A trip waits for no other request. The thread of the
-  // server arms; another one waits.
+  // As those of the link, and the clients' dead-men know of it. A trip waits for no other request, and wins against an
+  // arm that is under way. The thread of the server arms; another one waits.
   [[nodiscard]] Outcome trip(const RequestOptions& how);
   [[nodiscard]] Outcome arm(const RequestOptions& how);
   // Likewise. A group that a client reads, too, is shared with it.
@@ -136,7 +136,6 @@ class BoardServer final : public Host {
   void receive(Client& client);
   void send(Client& client);
   void watch(Client& client, std::uint32_t wanted);
-  void drop_where(bool (*wanted)(const Client&), std::uint64_t& count);
   void drop_client(std::size_t index);
   void admit_waiting();
   [[nodiscard]] std::uint64_t due_ns() const noexcept;
@@ -151,6 +150,7 @@ class BoardServer final : public Host {
   std::atomic<bool> ending_ = false;
   std::atomic<bool> trip_wanted_ = false;
   std::atomic<bool> tripped_now_ = false;  // by another thread
+  std::atomic<int> tripping_ = 0;          // other threads that do so
 
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<std::unique_ptr<Client>> admitted_;

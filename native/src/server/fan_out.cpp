@@ -61,13 +61,10 @@ Outcome FanOut::open(Group group, std::size_t ring) {
 }
 
 void FanOut::remove(const Reader& reader) {
-  std::size_t erased = 0;
   for (Group& group : groups_) {
-    erased += std::erase(group.readers, reader);
+    std::erase(group.readers, reader);
   }
-  if (erased > 0) {  // a client that comes in has none, and waits for nothing
-    static_cast<void>(close_unread());
-  }
+  static_cast<void>(close_unread());
 }
 
 void FanOut::remove(const Session& session) {

@@ -41,7 +41,7 @@ Session::Session(Host& host, Grant grant, std::uint16_t seed, std::uint64_t now_
       fed_ns_(now_ns) {
   decoder_.set_payload_max(host.facts().description.request_max);
   sequences_.resize(host.facts().configuration.groups);
-  begin_session({});
+  forget({});
 }
 
 device::FrameRequest::Widths Session::widths() const noexcept {
@@ -162,8 +162,20 @@ void Session::open_session(std::span<const std::uint8_t> payload) {
 }
 
 // A dead-man that still runs here belongs to a client that has lost its session, so it trips at once: its time is over.
+// It goes before the groups, for which the board is waited for.
 void Session::begin_session(const FrameKey& key) {
   host_.abandon(*this);
+  if (std::exchange(dead_man_ticks_, 0) > 0) {
+    host_.trip();
+  }
+  forget(key);
+  for (std::uint32_t group = 0; group < sequences_.size(); ++group) {
+    static_cast<void>(host_.define_group(*this, group, {}, 0, false));
+  }
+}
+
+// All of the session before.
+void Session::forget(const FrameKey& key) {
   key_ = key;
   decoder_.set_key(key);
   waiting_.clear();
@@ -182,13 +194,7 @@ void Session::begin_session(const FrameKey& key) {
   first_failure_ = 0;
   publishing_ = false;
   exchanges_.assign((features() & protocol::control_value::feature_exchanges) != 0 ? exchanges_kept : 0, {});
-  for (std::uint32_t group = 0; group < sequences_.size(); ++group) {
-    static_cast<void>(host_.define_group(*this, group, {}, 0, false));
-  }
   resting_ticks_ = 0;
-  if (std::exchange(dead_man_ticks_, 0) > 0) {
-    host_.trip();
-  }
   trips_ = host_.trips();
 }
 

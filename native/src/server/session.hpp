@@ -101,6 +101,7 @@ class Session {
   void hello(std::span<const std::uint8_t> payload);
   void open_session(std::span<const std::uint8_t> payload);
   void begin_session(const FrameKey& key);
+  void forget(const FrameKey& key);
 
   void pump();
   [[nodiscard]] bool start(const Waiting& next);
