@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import LinkNotFound, UrlError
 from unitylink.optional import absent
 from unitylink.zenoh_sockets import close_without_waiting
-from unitylink.zenoh_watch import WATCH, places_of
+from unitylink.zenoh_watch import WATCH
 
 if TYPE_CHECKING:
     import zenoh
@@ -45,7 +45,7 @@ def open_session(
             configuration.insert_json5(key, json.dumps(value))
     except zenoh.ZError as error:
         raise UrlError(f"Zenoh does not take {what}: {_first(error)}") from None
-    WATCH.add(places_of(_locators(configuration)))
+    WATCH.add(_locators(configuration))
     try:
         session = zenoh.open(configuration)
     except zenoh.ZError as error:

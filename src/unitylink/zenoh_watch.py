@@ -30,32 +30,36 @@ class Watch:
     """Looks at the connections of this process to the places that `add` names."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._locators: set[str] = set()  # whose places are not known yet
         self._places: set[Place] = set()
-        self._unread: dict[
-            int, tuple[int, float]
-        ] = {}  # by socket: how much was read, and since when no more
+        # Of each socket with something to read: how much was read before, and since when no more.
+        self._unread: dict[int, tuple[int, float]] = {}
         self._thread: threading.Thread | None = None
 
-    def add(self, places: Iterable[Place]) -> None:
-        """Watch connections to some places from now on."""
-        self._places.update(places)
-        if sys.platform == "linux" and (
-            self._thread is None or not self._thread.is_alive()
-        ):  # a fork has no thread
-            self._thread = threading.Thread(target=self._run, name="zenoh watch", daemon=True)
-            self._thread.start()
+    def add(self, locators: Iterable[str]) -> None:
+        """Watch connections to some places from now on. To find them may take long: the thread does it."""
+        with self._lock:
+            self._locators.update(locators)
+            alive = self._thread is not None and self._thread.is_alive()  # not after a fork
+            if sys.platform == "linux" and not alive:
+                self._thread = threading.Thread(target=self._run, name="zenoh watch", daemon=True)
+                self._thread.start()
 
     def look(self, now_s: float) -> int:
         """Look at all connections. Return how many were ended."""
+        with self._lock:
+            new, self._locators = self._locators, set()
+        self._places |= places_of(new)
         before, self._unread = self._unread, {}
         ended = 0
         for number, one in sockets():
             with one, contextlib.suppress(OSError, struct.error):
                 if normal(*one.getpeername()[:2]) not in self._places:
                     continue
-                waiting, (state, received) = (
-                    _waiting(one),
-                    _INFO.unpack(one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO.size)),
+                waiting = _waiting(one)
+                state, received = _INFO.unpack(
+                    one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO.size)
                 )
                 if state != _ESTABLISHED or not waiting:
                     continue

@@ -46,7 +46,7 @@ def test_a_connection_from_which_nobody_reads_is_ended(stack: ExitStack, watch: 
     there = door(stack)
     deaf, reader = (stack.enter_context(socket.create_connection(there.getsockname())) for _ in range(2))
     far, far_reader = (stack.enter_context(there.accept()[0]) for _ in range(2))
-    watch.add(places_of([place(there)]))
+    watch.add([place(there)])
     ended = 0
     for at_s in (0.0, 0.5 * UNREAD_S, UNREAD_S):
         for one in (far, far_reader):
@@ -65,7 +65,7 @@ def test_a_connection_in_which_nothing_waits_is_let_alone(stack: ExitStack, watc
     there = door(stack)
     quiet = stack.enter_context(socket.create_connection(there.getsockname()))
     far = stack.enter_context(there.accept()[0])
-    watch.add(places_of([place(there)]))
+    watch.add([place(there)])
     assert not any(watch.look(float(at_s)) for at_s in range(10))
     far.send(b"yes")
     assert quiet.recv(9) == b"yes"
@@ -76,7 +76,7 @@ def test_connections_to_other_places_are_let_alone(stack: ExitStack, watch: Watc
     stack.enter_context(socket.create_connection(there.getsockname()))
     far = stack.enter_context(there.accept()[0])
     far.send(b"are you there?")
-    watch.add(places_of([place(other)]))
+    watch.add([place(other)])
     assert not any(watch.look(float(at_s)) for at_s in range(10))
 
 
@@ -85,7 +85,7 @@ def test_the_thread_looks_by_itself(stack: ExitStack) -> None:
     stack.enter_context(socket.create_connection(there.getsockname()))
     far = stack.enter_context(there.accept()[0])
     far.send(b"are you there?")
-    Watch().add(places_of([place(there)]))
+    Watch().add([place(there)])
     far.settimeout(10.0)
     assert far.recv(9) == b""
 
