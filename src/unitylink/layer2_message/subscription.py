@@ -169,7 +169,8 @@ class Subscription:
                 if over:
                     if self._open:
                         self._native.check_alive()
-                        self._native.wait(self._identity, 0.0)  # it has ended by itself
+                        if not self._native.closed:
+                            self._native.wait(self._identity, 0.0)  # it has ended by itself
                     return
                 await arrived.wait()
                 arrived.clear()
