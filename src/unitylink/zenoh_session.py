@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
 
 def open_session(
-    file: str,
-    settings: Mapping[str, Any],
-    *,
-    use: str,
-    source: str,
-    unreachable: str,
+    file: str, settings: Mapping[str, Any], *, use: str, source: str, unreachable: str
 ) -> zenoh.Session:
     """Open a session with the configuration in `file`, or the default, and `settings` above it.
 

@@ -41,9 +41,8 @@ class Supervisor:
         self._start = start
         self._say = say
         self._ended = threading.Event()
-        self._news: set[str] = (
-            set()
-        )  # the keys of boards that have come or gone since their bridges were asked
+        # The keys of boards that have come or gone since their bridges were asked.
+        self._news: set[str] = set()
         self._lock = threading.Lock()  # guards the processes
         with contextlib.ExitStack() as stack:
             self._specs = stack.enter_context(SpecStore(fleet))

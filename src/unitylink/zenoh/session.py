@@ -21,7 +21,7 @@ _OPEN_MS = 400
 _PAUSE_MS = 50  # between two attempts
 _ROUTER_OPEN_MS = 1000  # from a router to another one, which may be far away
 _TRY_MS = 2000  # how long a client tries at the start
-_SLOW_OPEN_MS = 4000  # if the first attempts were all too short
+_SLOW_OPEN_MS = 5000  # if the first attempts were all too short
 _SOCKET_BYTES = 65536  # what waits in the kernel for a slow reader is old when it arrives
 
 
