@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import zenoh
 
-_LOCATOR = re.compile(r"(?:tcp|tls)/\[?([0-9A-Fa-f.:]+)\]?:(\d+)(?:[?#].*)?")
+_LOCATOR = re.compile(r"(?:tcp|tls)/([^?#]+):(\d+)(?:[?#].*)?")
 _NO_LINGER = struct.pack("ii", 0, 0)
 _DESCRIPTORS = "/dev/fd"
 Place = tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]
@@ -66,28 +66,25 @@ def sockets_between(here: str, there: str, seen: set[int] | None = None) -> Iter
     ends = _end(here), _end(there)
     if None in ends:
         return
-    present: set[int] = set()
-    for number, one in sockets():
-        present.add(number)
+    seen = set() if seen is None else seen
+    for number, one in sockets(seen):
         mine = False
-        if seen is None or number not in seen:
-            with contextlib.suppress(OSError):  # it has no two ends
-                mine = (normal(*one.getsockname()[:2]), normal(*one.getpeername()[:2])) == ends
+        with contextlib.suppress(OSError):  # it has no two ends
+            mine = (normal(*one.getsockname()[:2]), normal(*one.getpeername()[:2])) == ends
         if not mine:
             one.close()
             continue
-        if seen is not None:
-            seen.add(number)
+        seen.add(number)
         yield one
-    if seen is not None:
-        seen &= present
 
 
-def sockets() -> Iterator[tuple[int, socket.socket]]:
-    """Yield a copy of each TCP socket of this process, which the caller closes, and its number.
+def sockets(seen: set[int]) -> Iterator[tuple[int, socket.socket]]:
+    """Yield a copy of each TCP socket of this process that is not in `seen`, and its number.
 
-    The number is that of the socket, not of its descriptor. So a later socket has another one.
+    The caller closes it. `seen` forgets those that are gone. The number is that of the socket, not of its
+    descriptor, so a later socket has another one.
     """
+    present: set[int] = set()
     try:
         names = os.listdir(_DESCRIPTORS)
     except OSError:  # a system without this folder, such as Windows
@@ -95,13 +92,15 @@ def sockets() -> Iterator[tuple[int, socket.socket]]:
     for name in names:
         with contextlib.suppress(OSError):  # it is closed meanwhile
             about = os.fstat(int(name))
-            if not stat.S_ISSOCK(about.st_mode):
+            present.add(about.st_ino)
+            if not stat.S_ISSOCK(about.st_mode) or about.st_ino in seen:
                 continue
             one = socket.socket(fileno=os.dup(int(name)))
             if one.family in {socket.AF_INET, socket.AF_INET6} and one.type == socket.SOCK_STREAM:
                 yield about.st_ino, one
             else:
                 one.close()
+    seen &= present
 
 
 def normal(host: str, port: int) -> Place:
@@ -110,12 +109,15 @@ def normal(host: str, port: int) -> Place:
     return (getattr(address, "ipv4_mapped", None) or address), port
 
 
-def _end(locator: str) -> Place | None:
-    """Return address and port of a locator. None: it is not of TCP."""
+def host_and_port(locator: str) -> tuple[str, int] | None:
+    """Return host and port of a locator such as `tcp/arm.lab:7447`. None: it is not of TCP."""
     parts = _LOCATOR.fullmatch(locator)
-    if parts is None:
-        return None
+    return (parts[1].strip("[]"), int(parts[2])) if parts else None
+
+
+def _end(locator: str) -> Place | None:
+    """Return address and port of a locator. None: it is not of TCP, or has a name."""
     try:
-        return normal(parts[1], int(parts[2]))
+        return normal(*ends) if (ends := host_and_port(locator)) else None
     except ValueError:
         return None

@@ -18,7 +18,7 @@ import threading
 import time
 from collections.abc import Iterable
 
-from unitylink.zenoh_sockets import Place, normal, sockets
+from unitylink.zenoh_sockets import Place, host_and_port, normal, sockets
 
 LOOK_S = 0.5
 UNREAD_S = 1.0  # who is silent for so long is gone for its router, so nothing whole is ended
@@ -53,7 +53,7 @@ class Watch:
         self._places |= places_of(new)
         before, self._unread = self._unread, {}
         ended = 0
-        for number, one in sockets():
+        for number, one in sockets(set()):
             with one, contextlib.suppress(OSError, struct.error):
                 if normal(*one.getpeername()[:2]) not in self._places:
                     continue
@@ -81,12 +81,10 @@ def places_of(locators: Iterable[str]) -> set[Place]:
     """Return where locators such as `tcp/arm.lab:7447` lead. One of another kind leads to none."""
     found: set[Place] = set()
     for locator in locators:
-        kind, _, rest = locator.partition("/")
-        host, _, port = rest.partition("#")[0].partition("?")[0].rpartition(":")
-        if kind in {"tcp", "tls"} and port.isdecimal():
+        if ends := host_and_port(locator):
             with contextlib.suppress(OSError, ValueError):  # Zenoh says what is wrong with it
-                for answer in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_STREAM):
-                    found.add(normal(str(answer[4][0]), int(port)))
+                for answer in socket.getaddrinfo(*ends, type=socket.SOCK_STREAM):
+                    found.add(normal(str(answer[4][0]), ends[1]))
     return found
 
 
